@@ -2,6 +2,7 @@
 
 import doctest
 import importlib
+import io
 import pkgutil
 import subprocess
 import sys
@@ -152,6 +153,7 @@ def test_pictures_are_paths_images_and_arrays(painting: ms.Painting) -> None:
     [
         (np.zeros((4, 4, 3), dtype=np.int64), "an array of int64; give uint8, or float in [0, 1]"),
         (np.full((4, 4, 3), 200.0), "values from 200 to 200; floats must be in [0, 1], so divide them first"),
+        (np.full((4, 4, 3), np.nextafter(np.float32(1), 2)), "values from 1.0000001 to 1.0000001; floats must be in"),
         (np.full((4, 4, 3), np.nan), "floats must be in [0, 1]"),
         (np.full((4, 4, 3), -0.1), "floats must be in [0, 1]"),
         (np.zeros((3, 4, 4, 3)), "has shape (3, 4, 4, 3); it must be (H, W, 3), or (H, W) for greys"),
@@ -234,6 +236,15 @@ def test_a_warning_names_the_line_that_called(drawing: Path, tmp_path: Path) -> 
     assert caught[0].filename == __file__
 
 
+def test_what_the_command_notes_of_a_plan_is_a_warning() -> None:
+    with pytest.warns(UserWarning, match="only lifts its pen|is larger than the machine") as caught:
+        ms.plan(demo_picture(), **{**QUICK, "size": "A2"}, brush="marker", robot="axidraw")
+    held, large = (str(warning.message) for warning in caught)
+    assert held.startswith("this machine only lifts its pen, so the brush marker is held at one pressure, 0.5")
+    assert large.startswith("this sheet, 420 by 594 mm, is larger than the machine reaches")
+    assert {warning.filename for warning in caught} == {__file__}
+
+
 def test_there_must_be_something_to_paint() -> None:
     with pytest.raises(InputError, match="give a picture, or a text"):
         ms.plan()
@@ -249,6 +260,14 @@ def test_progress_is_told_and_can_end_a_plan() -> None:
     assert ms.plan(demo_picture(), **{**QUICK, "steps": 1000}, progress=progress).strokes
     assert len(seen) < 100  # it finishes what it has
     assert seen == sorted(seen)
+
+
+def test_numbers_of_numpy_are_numbers() -> None:
+    asked: dict[str, Any] = {**QUICK, "strokes": np.int64(6), "seed": np.uint8(5), "exact": np.True_}
+    again = ms.plan(demo_picture(), **asked, weights={"tone": np.float32(1)})
+    assert again == ms.plan(demo_picture(), **QUICK, seed=5, exact=True, weights={"tone": 1.0})
+    with pytest.raises(InputError, match="strokes is 0; it must be from 1 to"):
+        ms.plan(demo_picture(), strokes=np.int64(0))
 
 
 def test_options_are_defaults_that_single_ones_differ_from() -> None:
@@ -302,6 +321,26 @@ def test_a_machine_wants_a_file_to_keep_its_journal_beside(painting: ms.Painting
         ms.paint(painting, robot="grbl:/dev/ttyUSB0")
     with pytest.raises(InputError, match="there is no machine 'simply'"):
         ms.paint(painting, robot="simply")
+
+
+def test_a_long_frieze_is_shown_in_a_notebook_too(painting: ms.Painting) -> None:
+    for width in (4.0, 40.0, 400.0):
+        sheet = painting.sheet.model_copy(update={"width": width})
+        png = painting.model_copy(update={"sheet": sheet, "area": (0.0, 0.0, width, 0.06)})._repr_png_()
+        with Image.open(io.BytesIO(png)) as image:
+            assert image.width <= 8192
+
+
+def test_what_is_painted_is_left_out_wherever_the_background_is_given(painting: ms.Painting, tmp_path: Path) -> None:
+    file, photograph = tmp_path / "cat.json", tmp_path / "sheet.png"
+    painting.save(file)
+    done = ms.paint(file, robot="sim").photograph
+    assert done is not None
+    done.save(photograph)
+    with pytest.raises(InputError, match="all 6 strokes are locked or painted"):
+        ms.plan(demo_picture(), again=file, background=photograph)
+    with pytest.raises(InputError, match="all 6 strokes are locked or painted"):
+        ms.plan(demo_picture(), again=file, options=ms.PlanOptions(**QUICK, background=photograph))
 
 
 def test_a_painting_is_a_record_with_more_to_say(painting: ms.Painting) -> None:

@@ -65,6 +65,10 @@ def test_vectors_without_a_scale_are_150_mm_long(vectors: Path) -> None:
     assert ran.stdout.startswith(
         "SVG: 2 strokes, 0.335 m drawn on 165 x 90 mm, times not recorded, pressure not recorded\n"
     )
+    assert ran.stderr == (
+        "note: drawing.svg does not say how large it was drawn: its longer side is taken to be 150 mm; say it with "
+        "--size or --longest\n"
+    )
 
 
 def test_size_and_longest_set_the_scale(vectors: Path) -> None:
@@ -73,7 +77,7 @@ def test_size_and_longest_set_the_scale(vectors: Path) -> None:
         (("--size", "A4-landscape"), "0.604 m drawn on 297 x 210 mm"),
     ):
         ran = run("record", "ink", vectors, "--out", vectors.with_name("cat.ink.npz"), "--overwrite", *words)
-        assert ran.code == 0
+        assert (ran.code, ran.stderr) == (0, "")
         assert told in ran.stdout
 
 

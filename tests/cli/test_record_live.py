@@ -102,6 +102,7 @@ def test_a_recording_that_shows_no_drawing_is_kept_and_can_be_tried_again(drawn:
         (("--server", "127.0.0.1:1", *PEN, "--seconds", "nan"), 2, "--seconds is nan; it must be more than 0"),
         (("--server", "127.0.0.1:1"), 2, "say where the pen's tip is: with --pen-length, as in 139mm, or"),
         (("--server", "127.0.0.1:1", *PEN, "--merge", "1"), 2, "--merge is '1'; write a time and its unit"),
+        (("--server", "127.0.0.1:1", *PEN, "--corner", "left"), 2, "there is no corner 'left'; there are: lower-left"),
         (("--server", "127.0.0.1:0", *PEN), 2, "'127.0.0.1:0' is not the address of a server; write 192.168.1.5"),
         (("--server", "127.0.0.1:1", *PEN, "--local", "192.0.2.1"), 2, "'192.0.2.1' is not an address of this machine"),
         (("--server", "127.0.0.1:1", *PEN), 2, "127.0.0.1:1 does not answer; check the address, the firewall, and"),

@@ -89,6 +89,18 @@ def test_how_the_hand_arranges_its_strokes_is_said_in_words(here: Path, drawn: F
     assert re.fullmatch(told, rows(run("style", "fit", "me.strokes.npz", "--name", "me").stdout)["arranged"])
 
 
+def test_the_order_of_files_is_not_told_as_the_order_of_strokes(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "200")
+    large, small = hatching(6, seed=0), hatching(6, seed=1) / 2
+    write_strokes(as_strokes(large), "large.strokes.npz")
+    write_strokes(as_strokes(small), "small.strokes.npz")
+    write_strokes(as_strokes(np.concatenate([large, small + 1.0])), "one.strokes.npz")
+    ran = run("style", "fit", "large.strokes.npz", "small.strokes.npz", "--name", "both")
+    assert re.fullmatch(r"groups of 8, .*; cross rarely", rows(ran.stdout)["arranged"])
+    ran = run("style", "fit", "one.strokes.npz", "--name", "one")
+    assert rows(ran.stdout)["arranged"].endswith("; long strokes first")
+
+
 def test_several_recordings_of_a_hand_make_one_style(here: Path) -> None:
     ran = run("style", "fit", "cat.ink.npz", "dog.strokes.npz", "--name", "both")
     told = rows(ran.stdout)
@@ -128,12 +140,29 @@ def test_a_style_is_replaced_only_when_told_to(here: Path, cat: str) -> None:
     assert cards.read_card(cards.style_path("cat")).strokes == 14
 
 
+def test_a_style_that_somebody_else_learns_meanwhile_is_not_replaced(
+    here: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    of = Hand.of
+
+    def while_another_learns(strokes: Strokes) -> Hand:
+        monkeypatch.setattr(Hand, "of", of)
+        assert run("style", "fit", "dog.strokes.npz", "--name", "both").code == 0
+        return of(strokes)
+
+    monkeypatch.setattr(Hand, "of", while_another_learns)
+    ran = run("style", "fit", "cat.ink.npz", "--name", "both")
+    assert ran.code == 1
+    assert ran.mistake == "there is a style both already; choose another --name, or add --overwrite"
+    assert cards.read_card(cards.style_path("both")).source == "dog.strokes.npz"
+
+
 @pytest.mark.parametrize(
     ("words", "text"),
     [
         (["none.ink.npz", "--name", "a"], "there is no file none.ink.npz; check its name and folder"),
         (["text.txt", "--name", "a"], "text.txt is neither ink nor strokes; make ink of it with maulstick record ink"),
-        (["cat.ink.npz", "./cat.ink.npz", "--name", "a"], "a file is named twice, and its strokes would count twice"),
+        (["cat.ink.npz", "./cat.ink.npz", "--name", "a"], "a recording, or its copy, is named twice, and its strokes"),
         (["cat.ink.npz", "--name", "../x"], "the name of a style is '../x'; it must be up to 40 of a-z, 0-9 and -"),
         (["cat.ink.npz", "--name", "free"], "the name of a style is 'free'; it must be up to 40 of a-z, 0-9 and -"),
         (["cat.ink.npz", "--name", BUILT_IN], f"the style {BUILT_IN} comes with Maulstick; choose another --name"),

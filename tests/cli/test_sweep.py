@@ -237,6 +237,16 @@ def test_a_folder_that_holds_something_else_is_left_alone(tmp_path: Path) -> Non
     assert os.listdir(mine.parent) == ["mine.txt"]
 
 
+@pytest.mark.parametrize("name", ["sweep.csv", "sweep.png"])
+def test_a_file_that_is_no_result_of_a_sweep_is_never_replaced(tmp_path: Path, name: str) -> None:
+    (tmp_path / name).write_text("mine")
+    ran = run("sweep", grid_in(tmp_path, "seed = [0]"), "--out", tmp_path)
+    assert ran.code == 1
+    assert ran.mistake == f"{tmp_path / name} is of no sweep, and would be replaced; choose another --out"
+    assert (tmp_path / name).read_text() == "mine"
+    assert not (tmp_path / "eileen.png_seed-0").exists()
+
+
 def test_the_grids_of_the_documentation_can_be_planned() -> None:
     text = (ROOT / "docs" / "sweep.md").read_text(encoding="utf-8")
     plain, more = (tomllib.loads(block) for block in re.findall(r"```toml\n(.*?)```", text, re.DOTALL))

@@ -1,7 +1,12 @@
+from pathlib import Path
+
 import numpy as np
 import pytest
 
+from maulstick.errors import InputError
 from maulstick.jobs.learn import learn_style, strokes_of
+from maulstick.strokes.ink import Ink, write_ink
+from maulstick.strokes.strokes import Strokes, write_strokes
 from tests.support.drawn import as_strokes, hatching
 
 
@@ -20,6 +25,18 @@ def test_no_stroke_of_a_recording_is_near_one_of_another() -> None:
     for xs in later:
         assert xs.min() - first.max() >= max(part.lengths.max() for part in parts) - 1e-9
         first = xs
+
+
+def test_a_recording_counts_once_whatever_its_file_is_called(tmp_path: Path) -> None:
+    ink = Ink.of([np.array([[0.0, 0.01, 0.01 * i, 0.5], [1.0, 0.05, 0.02, 0.6]]) for i in range(6)], (0.1, 0.1))
+    ink_file, strokes_file = tmp_path / "me.ink.npz", tmp_path / "me.strokes.npz"
+    write_ink(ink, ink_file)
+    write_strokes(Strokes.of(ink), strokes_file)
+    for twice in ([ink, ink], [ink_file, str(ink_file)], [ink_file, strokes_file]):
+        with pytest.raises(InputError, match="a recording, or its copy, is named twice, and its strokes would count"):
+            strokes_of(twice)
+    nothing = Ink.of([], (0.1, 0.1))
+    assert len(strokes_of([nothing, ink, nothing])) == 6
 
 
 def test_strokes_of_a_recording_lie_to_each_other_as_before() -> None:

@@ -25,6 +25,7 @@ from maulstick.strokes.strokes import resample
 from tests.support.planned import picture
 
 SIDE, QUICK = "60x60mm", 4  # steps
+few_strokes = pytest.mark.filterwarnings("ignore:.* of the ink that the picture needs")
 CIRCLE = tuple(
     (0.03 + 0.01 * np.cos(turn), 0.03 + 0.01 * np.sin(turn), 0.6) for turn in np.linspace(0, 2 * np.pi, 50).tolist()
 )
@@ -186,6 +187,7 @@ def test_python_plans_again_with_the_options_of_the_painting(folder: Path, chang
     assert ms.plan(folder / "disc.png", again=changed, steps=QUICK).strokes == after.strokes
 
 
+@few_strokes
 def test_a_single_paint_stays_the_paint_or_the_ink_it_was_however_often_it_is_planned_again(folder: Path) -> None:
     (folder / "tube.csv").write_text("name,colour\nnight,#102040\n")
     ways: dict[str, Any] = {"paints": 1}, {"ink": "#102040"}, {"paints_from": folder / "tube.csv"}
@@ -200,6 +202,7 @@ def test_a_single_paint_stays_the_paint_or_the_ink_it_was_however_often_it_is_pl
             write_painting(prepared.painting(prepared.plan(lambda progress: True, None)), file)
 
 
+@few_strokes
 def test_inks_stay_inks_and_paints_of_a_file_paints_however_often_they_are_planned_again(folder: Path) -> None:
     (folder / "tubes.csv").write_text("name,colour\nnight,#102040\nsun,#e0a020\n")
     ways: dict[str, Any] = {"ink": "#102040, #e0a020"}, {"paints_from": folder / "tubes.csv"}
@@ -215,6 +218,7 @@ def test_inks_stay_inks_and_paints_of_a_file_paints_however_often_they_are_plann
             write_painting(prepared.painting(prepared.plan(lambda progress: True, None)), file)
 
 
+@few_strokes
 def test_an_ink_that_no_stroke_has_is_among_those_that_it_is_planned_again_in(folder: Path) -> None:
     quick: dict[str, Any] = {"strokes": 6, "steps": 2, "px": 24, "size": SIDE, "style": "loops", "brush": "fineliner"}
     painting = ms.plan(np.full((24, 24, 3), 0.6, dtype=np.float32), ink="black,red", **quick)

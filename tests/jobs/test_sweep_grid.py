@@ -62,6 +62,15 @@ def test_long_texts_and_odd_letters_make_names_of_folders_that_differ() -> None:
     assert cells({"picture": ["../a.png"]})[0].name == "a.png"
 
 
+def test_cells_never_share_a_folder_and_none_has_the_name_of_a_result() -> None:
+    with pytest.raises(
+        InputError, match=r"2 cells would share the folder a\.png; .* and files so that their names diff"
+    ):
+        cells({"picture": ["a.png", "../a.png"]})
+    with pytest.raises(InputError, match=r"the folder of a cell would be sweep\.png, as a result is called; rename"):
+        cells({"picture": ["a.png", "sweep.png"]})
+
+
 def test_more_cells_than_anybody_wants_are_refused_before_they_are_made() -> None:
     with pytest.raises(InputError, match=rf"the number of cells is 10000000000; it must be at most {MOST_CELLS}"):
         cells({"seed": list(range(100_000)), "steps": list(range(1, 100_001))}, text="a boat")

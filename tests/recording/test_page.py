@@ -61,6 +61,13 @@ def test_times_begin_at_zero_and_empty_strokes_are_none() -> None:
     assert np.array_equal(ink.samples[:, 0], [4, 5, 0, 1, np.nan, np.nan], equal_nan=True)
 
 
+def test_times_of_a_clock_that_stands_still_within_every_stroke_are_none() -> None:
+    still, later = (np.column_stack([np.full(2, t), LINE[:, 1:]]) for t in (0.0, 3.0))
+    ink = on_sheet(Page([still, later, later[:1]], 1e-4, None, "test"), None, None, "a test")
+    assert np.isnan(ink.samples[:, 0]).all()
+    assert on_sheet(Page([still, LINE], 1e-4, None, "test"), None, None, "").samples[:, 0].tolist() == [0, 0, 10, 11]
+
+
 @given(st.floats(-1e6, 1e6), st.floats(1e-3, 1e3))
 def test_neither_where_a_drawing_lay_nor_its_unit_matters_where_no_scale_is_known(offset: float, scale: float) -> None:
     moved = LINE * [1, scale, scale, 1] + [0, offset * scale, -offset * scale, 0]

@@ -1,3 +1,4 @@
+import codecs
 import json
 import re
 from pathlib import Path
@@ -31,6 +32,11 @@ def test_points_are_read_in_seconds_and_millimetres() -> None:
     assert page.strokes[0].tolist() == [[1.5, 10, 20, 0.25], [1.5085, 10, 20, 1]]
     assert page.strokes[1].tolist() == [[1.5, -1, 20, 0.25]]
     assert (page.unit, page.size, page.kind) == (1e-3, (200, 150.5), "pointer events")
+
+
+def test_a_file_that_an_editor_began_with_a_byte_order_mark_is_read_alike() -> None:
+    content = recording([a_point()])
+    assert read_pointer_events(codecs.BOM_UTF8 + content).strokes[0].tolist() == [[1.5, 10, 20, 0.25]]
 
 
 def test_a_pressure_of_one_half_throughout_a_stroke_was_not_recorded() -> None:

@@ -91,6 +91,12 @@ def test_what_is_not_displayed_is_no_stroke() -> None:
     assert ends(body) == [[[0, 0], [1, 1]]]
 
 
+@pytest.mark.parametrize("hidden", ['visibility="hidden"', 'style="visibility: hidden"', 'visibility="collapse"'])
+def test_what_is_hidden_is_no_stroke_but_what_shows_in_a_hidden_group_is(hidden: str) -> None:
+    body = f'<g {hidden}><path d="M0 0L9 9"/><path visibility="visible" d="M0 0L1 1"/></g><path {hidden} d="M0 0L8 8"/>'
+    assert ends(body) == [[[0, 0], [1, 1]]]
+
+
 @pytest.mark.parametrize(
     ("root", "end"),
     [
@@ -128,6 +134,15 @@ def test_a_drawing_without_paths_is_refused_with_the_remedy() -> None:
     for body in ("", "<text>cat</text>", '<image href="cat.png" width="9" height="9"/>', '<path d="M1 1"/>'):
         with pytest.raises(InputError, match="there is no path or shape in it; convert text and objects to paths in"):
             svg(body)
+
+
+@pytest.mark.parametrize("root", [SHEET, 'viewBox="0 0 100 50"', 'width="100" height="50"'])
+def test_a_rectangle_that_is_the_pages_paper_is_no_stroke(root: str) -> None:
+    line, paper = '<path d="M3 4L60 4"/>', '<rect width="{}" height="50" fill="white" {}/>'
+    for covers in (paper.format("100%", ""), paper.format("100", 'stroke="none"'), paper.format("120", "")):
+        assert len(svg(covers + line, root).strokes) == 1
+    for drawn in (paper.format("90", ""), paper.format("100", 'stroke="black"')):
+        assert len(svg(drawn + line, root).strokes) == 2
 
 
 def test_a_dot_is_a_stroke_of_one_point() -> None:

@@ -1,5 +1,7 @@
 """Words on plans and on paintings that were begun."""
 
+from pathlib import Path
+
 from maulstick.jobs.paint.options import PaintOptions
 from maulstick.jobs.paint.status import PaintStatus
 from maulstick.jobs.plan.options import PlanOptions
@@ -20,7 +22,9 @@ def test_what_was_begun_says_by_which_machine() -> None:
     assert said("grbl:/dev/ttyUSB0").endswith("Machine so far: Pen plotter with Grbl at /dev/ttyUSB0.")
 
 
-def test_the_only_colour_of_a_pen_is_a_pen() -> None:
+def test_the_only_colour_of_a_pen_is_a_pen_and_tubes_that_are_not_mixed_are_named() -> None:
     pen = PlanOptions(text="a", brush="micron-01", paints=1)
     assert "1 pen," in _summary(PlanRequest(None, pen), "loops")
     assert "1 paint," in _summary(PlanRequest(None, PlanOptions(text="a", brush="marker", paints=1)), "loops")
+    unmixed = PlanOptions(text="a", brush="marker", paints_from=Path("tubes.csv"))
+    assert "400 strokes, the paints of your tubes," in _summary(PlanRequest(None, unmixed), "loops")

@@ -1,6 +1,7 @@
 """What hands and keys do on the canvas on which a plan is directed, in a browser."""
 
 import json
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -8,8 +9,10 @@ from typing import Any
 import pytest
 from playwright.sync_api import Locator, Page, Route, expect
 
+from maulstick.painting.painting_file import read_painting
 from tests.studio.conftest import RunningStudio
 from tests.studio.test_directing_page import sharp
+from tests.support.planned import STROKES
 from tests.support.studio.plans_to_paint import put_plan_to_direct
 
 # Places are millimetres of the sheet. Pointers that no hand holds cannot be captured, and must not be asked to.
@@ -39,6 +42,12 @@ def opened(page: Callable[..., Page], tool: str = "Choose") -> tuple[Page, Locat
     expect(view).to_have_class(f"strokes-view {tool.lower()}")
     tab.evaluate(_POINTERS)
     return tab, view
+
+
+def middle_of(view: Locator) -> tuple[float, float]:
+    box = view.bounding_box()
+    assert box is not None
+    return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
 
 
 def acts(studio: RunningStudio) -> list[dict[str, Any]]:
@@ -140,6 +149,97 @@ def test_what_an_arrow_key_has_moved_is_not_lost_to_what_is_done_next(
     sharp(view, 4)
     kinds = [act["edit"]["kind"] if "edit" in act else act["act"] for act in acts(studio)]
     assert kinds == ["lock", "move", "undo", "move"]
+
+
+def test_what_is_moved_or_turned_while_another_page_takes_it_out_is_left_alone(
+    studio: RunningStudio, page: Callable[..., Page]
+) -> None:
+    tab, view = opened_with_a_chosen_stroke(page)
+    x, y, _ = read_painting(studio.folder / "plans" / "coast" / "painting.json").strokes[-1].trajectory[0]
+    other = page("/plan/coast").get_by_role("group", name="The strokes of coast")
+    place = """(view, on) => {
+      const { stage } = getElement(Number(view.id.slice(1))), box = view.getBoundingClientRect();
+      const { scale, x, y } = stage.view;
+      const [left, upper] = on ? on.map((side, i) => side * scale + [x, y][i]) : stage.handle();
+      return [left + box.left, upper + box.top];
+    }"""
+    for done, on in ((0, [1e3 * x, 1e3 * y]), (2, None)):
+        view.press("Control+a")
+        expect(tab.locator(".said")).to_have_text(re.compile(f"^{STROKES} strokes"))
+        tab.wait_for_timeout(200)  # its picture comes after it
+        x, y = view.evaluate(place, on)
+        tab.mouse.move(x, y)
+        tab.mouse.down()
+        tab.mouse.move(x + 10, y)
+        sharp(other, done)
+        other.press("Control+a")
+        other.press("Delete")
+        sharp(view, done + 1)
+        expect(tab.locator(".said")).to_have_text(re.compile("^Nothing is chosen"))
+        tab.mouse.move(x + 20, y)
+        tab.mouse.up()
+        view.press("Control+z")
+        sharp(view, done + 2)
+        assert tab.locator(".q-notification").all_inner_texts() == []
+
+
+def test_a_plan_that_is_thrown_away_meanwhile_is_directed_no_more(page: Callable[..., Page]) -> None:
+    tab, _ = opened(page)
+    page("/plan").get_by_role("button", name="Throw coast away").click()
+    expect(tab.get_by_role("heading", name="There is nothing to direct")).to_be_visible()
+    expect(tab.get_by_text("There is no plan coast any more.")).to_be_visible()
+
+
+def test_what_is_typed_of_a_region_stays_while_another_page_acts_and_what_cannot_be_does_not(
+    page: Callable[..., Page],
+) -> None:
+    tab, view = opened(page, "Importance")
+    tab.get_by_label("Brush", exact=True).fill("-2")
+    tab.mouse.move(*middle_of(view))
+    tab.get_by_label("Brush", exact=True).fill("20")
+    tab.evaluate("""() => { for (const type of ["down", "up"]) point(`pointer${type}`, 30, 30); }""")
+    sharp(view, 1)
+    name, size = tab.get_by_label("Name"), tab.get_by_label("Size of the hand")
+    name.fill("ey")
+    other = page("/plan/coast").get_by_role("group", name="The strokes of coast")
+    sharp(other, 1)
+    other.press("Control+a")
+    other.press("l")
+    sharp(view, 2)
+    name.press("End")
+    name.press_sequentially("es")
+    name.press("Enter")
+    sharp(view, 3)
+    expect(name).to_have_value("eyes")
+    size.fill("0")
+    size.press("Enter")
+    expect(tab.locator(".q-notification")).to_contain_text("hand_size")
+    expect(size).to_have_value("1")
+
+
+def test_a_double_click_makes_one_version(studio: RunningStudio, page: Callable[..., Page]) -> None:
+    tab, _ = opened(page)
+    tab.get_by_role("button", name="Keep as a version").dblclick()
+    tab.wait_for_url("**/plan")
+    expect(tab.get_by_role("article", name="Plan coast, version 2")).to_be_visible()
+    assert sorted(each.name for each in (studio.folder / "plans").iterdir()) == ["coast", "coast-version-2"]
+
+
+def test_a_region_is_chosen_and_left_again_in_the_list_by_the_keyboard(page: Callable[..., Page]) -> None:
+    tab, view = opened(page, "Region")
+    tab.evaluate("""() => {
+      point("pointerdown", 10, 10);
+      for (const [x, y] of [[30, 10], [30, 30], [10, 30]]) point("pointermove", x, y);
+      point("pointerup", 10, 10);
+    }""")
+    sharp(view, 1)
+    row = tab.get_by_role("list", name="Regions and guides").get_by_role("button", name="Region", exact=True)
+    expect(row).to_have_attribute("aria-pressed", "true")
+    row.focus()
+    for pressed in ("false", "true"):
+        tab.keyboard.press("Enter")
+        expect(row).to_have_attribute("aria-pressed", pressed)
+        expect(row).to_be_focused()
 
 
 def test_what_an_arrow_key_has_moved_is_kept_where_the_tab_is_closed_at_once(page: Callable[..., Page]) -> None:

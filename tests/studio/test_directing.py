@@ -2,16 +2,18 @@
 
 import asyncio
 import json
+import resource
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from maulstick.errors import InputError
+from maulstick.errors import InputError, OutputError
 from maulstick.painting.brush import load_brush
 from maulstick.painting.painting_file import read_painting
 from maulstick.studio.panels.direct.chosen import chosen_in_words
 from maulstick.studio.state.directing import Directing
+from maulstick.studio.state.titles import clean_title
 from maulstick.studio.state.versions import version_title
 from maulstick.studio.workers.stroke_marks import ShownPaint, as_bytes, changed_marks, drawn_edit, write_edited
 from tests.support.robot.small_paintings import SIX, line, painting_of
@@ -148,6 +150,42 @@ def test_a_line_that_is_no_act_is_named_and_no_act_is_lost(tmp_path: Path, line:
     assert acting(tmp_path, _nothing).version == 0
 
 
+def test_an_act_that_the_disk_has_no_room_for_is_told_and_those_before_and_after_it_stay(tmp_path: Path) -> None:
+    file = put_plan(tmp_path, "six", SIX)
+
+    async def lock_thrice(directing: Directing) -> None:
+        await directing.edit(_LOCK)
+        (acts,) = file.parent.glob("edits-*")
+        soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (acts.stat().st_size + 9, hard))
+        try:
+            with pytest.raises(OutputError, match="make room for it there"):
+                await directing.edit(_LOCK)
+        finally:
+            resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+        assert directing.version == 1
+        await directing.undo()
+
+    acting(tmp_path, lock_thrice)
+    again = acting(tmp_path, _nothing)
+    assert (again.version, again.can_redo) == (2, True)
+
+
+def test_an_act_on_a_plan_that_was_thrown_away_says_so(tmp_path: Path) -> None:
+    file = put_plan(tmp_path, "six", SIX)
+
+    async def throw_away(directing: Directing) -> None:
+        guide = await directing.saying.guide([0.01, 0.01, 0.02, 0.02])
+        file.parent.rename(tmp_path / "away")
+        for act in (directing.undo(), directing.edit(_LOCK), directing.saying.take_out(guide)):
+            with pytest.raises(InputError, match="that plan is there no more; look in the trash"):
+                await act
+        (tmp_path / "away").rename(file.parent)
+        assert directing.version == 1
+
+    acting(tmp_path, throw_away)
+
+
 def test_an_edit_that_cannot_be_is_refused_and_not_kept(tmp_path: Path) -> None:
     put_plan(tmp_path, "six", SIX)
 
@@ -197,7 +235,10 @@ def test_what_is_chosen_is_said_in_words() -> None:
         ("Cat", ["Cat", "Dog, version 7"], "Cat, version 2"),
         ("Cat, version 2", ["Cat", "Cat, version 2"], "Cat, version 3"),
         ("Cat", ["Cat", "Cat, version 4"], "Cat, version 5"),
+        ("C" * 80, ["C" * 80], "C" * 64 + ", version 2"),
+        ("C" * 80, ["C" * 80, "C" * 64 + ", version 2"], "C" * 64 + ", version 3"),
     ],
 )
 def test_a_version_has_the_next_number(title: str, others: list[str], next_one: str) -> None:
     assert version_title(title, others) == next_one
+    assert clean_title(next_one) == next_one, "nothing is cut off where it is kept"

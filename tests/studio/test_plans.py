@@ -15,11 +15,14 @@ from maulstick.jobs.plan.options import PlanOptions
 from maulstick.jobs.plan.prepare import prepare
 from maulstick.jobs.plan.request import PlanRequest, demo_picture
 from maulstick.painting.painting_file import read_painting
+from maulstick.robot.journal import Journal, journal_of
 from maulstick.studio.state.folder import Folder
 from maulstick.studio.state.gallery import keep_picture, picture_of
 from maulstick.studio.state.plan import Phase, Plan
 from maulstick.studio.state.plans import Plans
 from maulstick.studio.workers.planner import TARGET, order_frame
+from tests.support.robot.small_paintings import SIX
+from tests.support.studio.plans_to_paint import put_plan
 
 _PATIENCE = 240.0  # seconds: plans run at a low priority, and wait where a machine does much else
 LONG = 100_000  # steps, more than a test waits for
@@ -129,6 +132,19 @@ def test_a_plan_that_is_stopped_keeps_what_there_is_and_goes_on_in_a_studio_open
     assert [done for done, _ in curve] == sorted({done for done, _ in curve})
     assert curve[0] == stopped.curve[0], "the first part of the curve stays"
     assert again.phase is Phase.STOPPED
+
+
+def test_a_plan_that_was_painted_or_rehearsed_does_not_go_on(folder: Folder) -> None:
+    file = put_plan(folder.root, "six", SIX)
+    (file.parent / "plan-0.npz").touch()  # as of one that was stopped
+    with Journal.open(journal_of(file)) as journal:
+        journal.revise(file, [])
+    plans = Plans(folder)
+    plan = plans.of("six")
+    assert plan.phase is Phase.STOPPED
+    with pytest.raises(InputError, match="six was begun on paper, or rehearsed, so its strokes must stay; plan the"):
+        plans.go_on(plan)
+    assert plan.phase is Phase.STOPPED
 
 
 def test_a_plan_goes_on_in_a_studio_that_was_moved(tmp_path: Path) -> None:

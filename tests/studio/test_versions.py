@@ -2,6 +2,8 @@
 
 import asyncio
 import json
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +14,7 @@ from PIL import Image
 from maulstick.errors import InputError
 from maulstick.jobs.plan.options import PlanOptions
 from maulstick.jobs.plan.request import PlanRequest
-from maulstick.painting.painting_file import read_painting
+from maulstick.painting.painting_file import read_painting, write_painting
 from maulstick.robot.journal import Journal, journal_of
 from maulstick.studio.state.folder import Folder
 from maulstick.studio.state.plan import Phase, Plan
@@ -115,7 +117,14 @@ def test_a_version_is_planned_with_what_is_said_and_begins_with_it_or_keeps_the_
     assert changes_in(kept.folder, {}) == "Region “Region” taken out; region “Bare paper” taken out; kept as it is."
 
 
-def version_of_coast(root: Path, locked: list[int], **how: Any) -> Plan:
+def ask_for(folder: Path, **options: Any) -> None:
+    """Write other options into the request of the plan in a folder."""
+    file = folder / "request.json"
+    request = PlanRequest.from_json(json.loads(file.read_bytes()), file)
+    file.write_text(json.dumps(replace(request, options=replace(request.options, **options)).as_json()))
+
+
+def version_of_coast(root: Path, locked: list[int], taken_out: Sequence[int] = (), **how: Any) -> Plan:
     """Make a version of the plan "coast" with these strokes locked, as `Studio.version_of`, and wait for it."""
 
     async def act() -> Plan:
@@ -123,6 +132,8 @@ def version_of_coast(root: Path, locked: list[int], **how: Any) -> Plan:
             studio = Studio(folder)
             try:
                 await studio.directing("coast").edit({"kind": "lock", "strokes": locked})
+                if taken_out:
+                    await studio.directing("coast").edit({"kind": "remove", "strokes": taken_out})
                 version = await studio.version_of("coast", **how)
                 await until(lambda: not version.is_busy)
             finally:
@@ -177,6 +188,53 @@ def test_a_version_over_a_photograph_leaves_out_what_is_painted(tmp_path: Path) 
     assert painting.sheet.picture is not None
     assert len(painting.strokes) == len(planned.strokes) - 10
     assert [stroke.id for stroke in painting.strokes if stroke.locked] == [planned.strokes[11].id]
+
+
+def test_strokes_that_were_taken_out_come_back_in_a_version_beside_guides_that_are_painted(tmp_path: Path) -> None:
+    file = put_plan_to_direct(tmp_path, "coast")
+    planned = read_painting(file)
+    guides = [stroke.model_copy(update={"locked": True, "origin": "guide"}) for stroke in planned.strokes[:3]]
+    write_painting(planned.model_copy(update={"strokes": (*guides, *planned.strokes[3:])}), file)
+    ask_for(file.parent, strokes=len(planned.strokes) - 3, exact=True)  # the guides come beside those
+
+    version = version_of_coast(tmp_path, [guides[0].id], taken_out=[stroke.id for stroke in planned.strokes[3:8]])
+    assert version.why == ""
+    assert len(read_painting(version.folder / "painting.json").strokes) == len(planned.strokes)
+
+
+def test_strokes_that_are_on_paper_come_back_in_no_later_round_over_a_photograph(tmp_path: Path) -> None:
+    file = put_plan_to_direct(tmp_path, "coast")
+    planned = read_painting(file)
+    left = planned.model_copy(update={"strokes": planned.strokes[16:]})  # of 24
+    options = {**left.provenance.options, "strokes": len(left.strokes)}
+    write_painting(
+        left.model_copy(update={"provenance": left.provenance.model_copy(update={"options": options})}), file
+    )
+    ask_for(file.parent, strokes=len(planned.strokes), paints=10)
+    (tmp_path / "pictures" / "sheet").mkdir()
+    Image.new("RGB", (48, 48), "white").save(tmp_path / "pictures" / "sheet" / "picture.png")
+    with Journal.open(journal_of(file)) as journal:
+        journal.revise(file, [stroke.id for stroke in left.strokes[:4]])
+
+    over = version_of_coast(tmp_path, [left.strokes[5].id], photograph="sheet")
+    assert over.why == ""
+    assert len(read_painting(over.folder / "painting.json").strokes) == len(left.strokes) - 4
+    assert over.request.options.paints == len(left.strokes), "more paints than strokes cannot be asked for"
+
+
+def test_a_plan_with_fewer_strokes_left_than_there_are_tubes_is_planned_again_in_its_paints(tmp_path: Path) -> None:
+    file = put_plan_to_direct(tmp_path, "coast")
+    tubes = tmp_path / "tubes.csv"
+    tubes.write_text("".join(f"grey {level},#{level}0{level}0{level}0\n" for level in range(1, 10)))
+    ask_for(file.parent, strokes=40, paints=None, paints_from=tubes)
+    few = read_painting(file)
+    few = few.model_copy(update={"strokes": few.strokes[:4]})
+    options = {**few.provenance.options, "strokes": 4}
+    write_painting(few.model_copy(update={"provenance": few.provenance.model_copy(update={"options": options})}), file)
+
+    version = version_of_coast(tmp_path, [few.strokes[0].id])
+    assert version.why == ""
+    assert read_painting(version.folder / "painting.json").paints == few.paints
 
 
 def test_what_a_camera_had_planned_again_cannot_be_planned_over_a_photograph(tmp_path: Path) -> None:

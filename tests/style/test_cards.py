@@ -8,7 +8,7 @@ import pytest
 from maulstick.errors import InputError, OutputError
 from maulstick.painting.raster import Canvas
 from maulstick.style import load_style
-from maulstick.style.cards import STYLES, read_card, rename_style, style_path
+from maulstick.style.cards import STYLES, read_card, rename_style, style_path, title_style
 from maulstick.style.store import Fitted, read_style, write_style
 from tests.style.test_store import a_trajvae, an_exemplar, kill_after
 
@@ -46,6 +46,16 @@ def test_a_plan_finds_a_style_by_any_name_that_it_had(own: Path) -> None:
         assert style_path(name) == path
         assert load_style(name, CANVAS).name == "curves"
     assert read_card(rename_style("curves", "arcs")).formerly == ("bows", "curves")
+
+
+def test_a_style_that_is_learned_again_keeps_its_title_and_is_found_by_the_names_that_it_had(own: Path) -> None:
+    title_style("arcs", "Arcs by Ida")
+    rename_style("arcs", "bows")
+    path = write_style(an_exemplar("bows"), "another drawing", own)
+    assert style_path("arcs") == path
+    assert (read_card(path).title, read_card(path).source) == ("Arcs by Ida", "another drawing")
+    path.write_text("{")
+    assert read_card(write_style(an_exemplar("bows"), "a third", own)).title is None
 
 
 def test_a_style_of_that_name_goes_before_one_that_had_it_once(own: Path) -> None:

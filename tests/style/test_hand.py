@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import torch
@@ -45,6 +47,19 @@ def test_strokes_of_other_than_32_points_are_refused() -> None:
     with pytest.raises(InputError) as caught:
         Hand.of(strokes_of(np.repeat(straight(0.02, 16), 5, axis=0)))
     assert str(caught.value) == "the points of a stroke is 16; it must be 32"
+
+
+@pytest.mark.parametrize(
+    ("length", "place", "text"),
+    [
+        (101.0, 0.0, "the longest stroke is 101 m; it must be at most 100 m; check the recording's unit"),
+        (0.1, 101.0, "how far strokes lie is 101 m; it must be at most 100 m, recordings side by side; learn from"),
+    ],
+)
+def test_a_hand_that_no_file_may_hold_is_refused_before_it_is_learned(length: float, place: float, text: str) -> None:
+    strokes = strokes_of(np.repeat(straight(length), 5, axis=0))
+    with pytest.raises(InputError, match=text):
+        Hand.of(replace(strokes, poses=strokes.poses + np.array([place, 0.0, 0.0])))
 
 
 def test_speeds_are_lengths_over_times() -> None:

@@ -55,6 +55,19 @@ def test_a_participant_begins_answers_everything_and_is_thanked(server: Server, 
     assert chosen == [question.choices[1].name for question in asked_of(folder, token)]
 
 
+def test_whoever_has_finished_is_thanked_although_the_survey_asks_more_by_now(
+    server: Server, folder: Path, begun: str
+) -> None:
+    for number in range(7):
+        server.post(f"/{begun}", number=number, chosen="B")
+    survey = json.loads((folder / "survey.json").read_text())
+    survey["match"]["asked"] = 3
+    (folder / "survey.json").write_text(json.dumps(survey))
+    server.app = participants(folder, lambda: None)
+    assert "answer 8 questions" in server.get(f"/{Answers(folder).mint(1)[0]}").text
+    assert "Thank you!" in server.get(f"/{begun}").text
+
+
 def test_a_page_is_the_same_when_it_is_loaded_again(server: Server, begun: str) -> None:
     assert server.get(f"/{begun}").body == server.get(f"/{begun}").body
 

@@ -47,7 +47,7 @@ def fit_style(
 
     ink: `Ink`, `Strokes`, or a path to .ink.npz or .strokes.npz; or several of these.
     kind: ``exemplar``, the strokes themselves and a density around them, or ``trajvae``, the paper's network.
-    keep: keep it among your own styles, for `plan` by its name.
+    keep: keep it among your own styles, for `plan` by its name, in place of an earlier one of that name.
     Raises InputError for strokes that are too few or unlike any, and for a name that cannot be used.
 
         >>> fit_style(ink, "me").name
@@ -82,7 +82,8 @@ def load_style(name: str | Path, size: str = PlanOptions.size) -> Style:
 def fit_brush(trials: str | Path, name: str = "own", *, keep: bool = False) -> Brush:
     """Fit a brush to a folder of trials: strokes drawn once each, with photographs before and after.
 
-    keep: keep it among your own brushes, for `plan` by its name.  What the photographs cannot tell is a warning.
+    keep: keep it among your own brushes, for `plan` by its name, in place of an earlier one of that name.
+    What the photographs cannot tell is a warning.
     Raises InputError where the folder holds no trials, or too few of them can be used.
     """
     with needs_torch():

@@ -29,6 +29,7 @@ from maulstick.painting.stroke_edits import (
 from maulstick.painting.svg import painting_svg
 
 _NOTEBOOK_PX = 512  # height of the picture in a notebook, pixels: fits beside its code
+_WIDEST_PX = 4096  # its largest width: a frieze that is as high would be wider than any picture that is drawn
 
 
 class Painting(records.Painting):
@@ -156,7 +157,8 @@ class Painting(records.Painting):
     def _repr_png_(self) -> bytes:
         from maulstick.rendering.preview import preview_of_height  # loads torch
 
-        return encode_png(preview_of_height(self, _NOTEBOOK_PX))
+        widest = round(_WIDEST_PX * self.sheet.height / self.sheet.width)
+        return encode_png(preview_of_height(self, max(1, min(_NOTEBOOK_PX, widest))))
 
 
 @checked

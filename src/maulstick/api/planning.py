@@ -1,7 +1,7 @@
 """Planning, rendering and comparing paintings from Python."""
 
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
@@ -57,11 +57,12 @@ def plan(
     workers: processes that plan windows of a large canvas at the same time, by default one per core; `progress` then
     hears of each every two seconds, and the plan is the same with any number.
 
-    Raises InputError for a picture, an option or a file that cannot be used.
+    Raises InputError for a picture, an option or a file that cannot be used. Warns of what may be other than expected,
+    as of a sheet that is larger than the machine of `robot` reaches.
 
-        >>> painting = plan(demo_picture, style="hatching", ink="black", brush="fineliner", strokes=5, steps=2, px=16)
-        >>> painting.paints[0].hex
-        '#000000'
+        >>> painting = plan(demo_picture, style="hatching", brush="marker", paints=1, strokes=5, steps=2, px=16)
+        >>> len(painting.paints)
+        1
     """
     for name in changes:
         if name not in _NAMES:
@@ -79,7 +80,7 @@ def plan(
     image = None if picture is None or path is not None else image_of(picture)
     before = None
     if again is not None:
-        before = _before(again, changes)
+        before = _before(again, changes.get("background", options.background if options else None))
         options, changes = options or planned_before(before.painting, changes), changes if options else {}
         if picture is None and not isinstance(again, records.Painting):
             picture = path = picture_near(before.painting, Path(again))
@@ -92,8 +93,8 @@ def plan(
         style=style if isinstance(style, Style) else None,
         again=before,
     )
-    if prepared.device.note is not None:
-        warnings.warn(prepared.device.note, stacklevel=3)
+    for note in prepared.notes:
+        warnings.warn(note, stacklevel=3)
 
     def watch(step: PlanProgress) -> bool:
         return progress is None or progress(step) is not False
@@ -128,8 +129,8 @@ def compare(painting: records.Painting | str | Path, picture: Picture) -> Metric
     return likeness(_read(painting), image_of(picture, longest_px=READ_PX))
 
 
-def _before(again: records.Painting | str | Path, changes: Mapping[str, Any]) -> Again:
-    if isinstance(again, records.Painting) or changes.get("background") is None:
+def _before(again: records.Painting | str | Path, background: str | Path | None) -> Again:
+    if isinstance(again, records.Painting) or background is None:
         return Again(_read(again))
     return Again.on_paper(Path(again))
 

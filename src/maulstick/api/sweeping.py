@@ -9,6 +9,7 @@ from maulstick.jobs.sweep.grid import grid_of, read_grid
 from maulstick.jobs.sweep.run import RETRIES, SweepRequest
 from maulstick.jobs.sweep.run import sweep as run
 from maulstick.jobs.sweep.sweep import Standing
+from maulstick.jobs.sweep.table import columns_of
 from maulstick.kinds import checked
 
 if TYPE_CHECKING:
@@ -56,4 +57,4 @@ def sweep(
     else:
         read, folder = read_grid(grid), Path(grid).parent
     rows, _ = run(SweepRequest(read, folder, Path(out), on, at_once, retries), show, note)
-    return pd.DataFrame(rows)
+    return pd.DataFrame(rows, columns=columns_of(rows))

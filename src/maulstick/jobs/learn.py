@@ -24,14 +24,14 @@ KINDS: Final = ("exemplar", "trajvae")
 def strokes_of(recorded: Sequence[Recorded]) -> Strokes:
     """Return the strokes of all recordings together, each recording farther right than any near stroke of another.
 
-    Raises InputError for a file that holds neither ink nor strokes, or that is named twice.
+    Raises InputError for a file that holds neither ink nor strokes, and for strokes that are given twice.
     """
-    files = [Path(each).resolve() for each in recorded if isinstance(each, str | Path)]
-    if len(files) != len(set(files)):
-        raise InputError("a file is named twice, and its strokes would count twice; name each file once")
     parts = [_strokes_in(each) for each in recorded]
     if not parts:
         raise InputError("there are no strokes to learn from; give ink, or the path of a recording")
+    contents = [part.trajectories.tobytes() for part in parts if len(part)]
+    if len(contents) != len(set(contents)):
+        raise InputError("a recording, or its copy, is named twice, and its strokes would count twice; name each once")
     return Strokes(
         np.concatenate([part.trajectories for part in parts]),
         np.concatenate([part.times for part in parts]),

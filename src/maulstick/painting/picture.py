@@ -87,7 +87,7 @@ def image_of(picture: Picture, longest_px: int = READ_PX) -> Pixels:
         image: Pixels = pixels.astype(np.float32) / np.float32(255)
     elif pixels.dtype.kind == "f":
         if not (pixels.min() >= 0 and pixels.max() <= 1):  # NaN is neither
-            reach = f"{pixels.min():.4g} to {pixels.max():.4g}"
+            reach = " to ".join(np.format_float_positional(end, trim="-") for end in (pixels.min(), pixels.max()))
             raise InputError(f"the picture has values from {reach}; floats must be in [0, 1], so divide them first")
         image = pixels.astype(np.float32)
     else:

@@ -1,13 +1,15 @@
 """Contact sheet: many paintings in rows, each with its name below."""
 
 import io
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from math import ceil
 from pathlib import Path
 
 from PIL import Image, ImageDraw, ImageFont
 
+from maulstick.errors import InputError
 from maulstick.plots.sheet import FAINT, INK, QUIET, TABLE
 
 _LONGEST_PX = 16_000  # side of a sheet: what most programs open
@@ -24,7 +26,7 @@ class Print:
 
 
 def contact_sheet(prints: Sequence[Print], columns: int) -> bytes:
-    """Draw a PNG of the paintings, so many beside each other."""
+    """Draw a PNG of the paintings, so many beside each other. Raises InputError for a file that is damaged."""
     rows = ceil(len(prints) / columns)
     foot = 2 * (_TEXT + 3) + _GAP
     most = min(_LARGEST_PX, _LONGEST_PX // columns - _GAP, _LONGEST_PX // rows - foot)
@@ -37,7 +39,7 @@ def contact_sheet(prints: Sequence[Print], columns: int) -> bytes:
         if each.picture is None:
             draw.rectangle((x, y, x + wide - 1, y + high - 1), outline=FAINT)
         else:
-            with Image.open(each.picture) as picture:
+            with _opened(each.picture) as picture:
                 picture.thumbnail((wide, high))
                 sheet.paste(picture.convert("RGB"), (x + (wide - picture.width) // 2, y + (high - picture.height) // 2))
         for line, (text, colour) in enumerate(zip(each.lines, (INK, QUIET), strict=True)):
@@ -47,12 +49,21 @@ def contact_sheet(prints: Sequence[Print], columns: int) -> bytes:
     return file.getvalue()
 
 
+@contextmanager
+def _opened(path: Path) -> Iterator[Image.Image]:
+    try:
+        with Image.open(path) as picture:
+            yield picture
+    except (OSError, SyntaxError) as error:  # as Pillow calls a broken PNG
+        raise InputError(f"the picture {path} is damaged; remove that file, and sweep again") from error
+
+
 def _tallest(prints: Sequence[Print]) -> float:
     """Return the largest height over width, at most 1."""
     ratios = []
     for each in prints:
         if each.picture is not None:
-            with Image.open(each.picture) as picture:
+            with _opened(each.picture) as picture:
                 ratios.append(picture.height / picture.width)
     return min(1.0, max(ratios, default=1.0))
 

@@ -16,6 +16,9 @@ from maulstick.style.cards import FEWEST
 from maulstick.style.pressure import KNOTS, fit_knots
 from maulstick.style.traits import path_length, quantiles
 
+LONGEST = 100.0
+"""Longest stroke, and farthest place of one, metres: as large as a sheet may be."""
+
 _SHORTEST = 1e-3  # metres; anything shorter is a dot
 _SLOWEST, _QUICKEST = 1e-3, 2.0  # metres per second: bounds against pauses and errors in the recorded times
 _PRESSURE_VARIES = 0.15  # standard deviation of a knot's pressure about that of the hand's stroke, in `pressure_cost`
@@ -39,13 +42,22 @@ class Hand:
 
     @classmethod
     def of(cls, strokes: Strokes) -> Self:
-        """Return the hand of all strokes that are at least a millimetre long. Raises InputError for fewer than five."""
+        """Return the hand of all strokes that are at least a millimetre long.
+
+        Raises InputError for fewer than five, and for strokes that are longer or lie farther than `LONGEST`.
+        """
         strokes = strokes[strokes.lengths >= _SHORTEST]
         if len(strokes) < FEWEST:
             allowed = f"at least {FEWEST}, and 20 make a good style; draw more"
             raise InputError.of_range("the number of strokes of a millimetre or more", len(strokes), allowed)
         if strokes.trajectories.shape[1] != POINTS:
             raise InputError.of_range("the points of a stroke", strokes.trajectories.shape[1], f"{POINTS}")
+        if (longest := float(strokes.lengths.max())) > LONGEST:
+            allowed = f"at most {LONGEST:g} m; check the recording's unit"
+            raise InputError.of_range("the longest stroke", f"{longest:.4g} m", allowed)
+        if (farthest := float(np.abs(strokes.poses[:, :2]).max())) > LONGEST:
+            allowed = f"at most {LONGEST:g} m, recordings side by side; learn from fewer or smaller ones"
+            raise InputError.of_range("how far strokes lie", f"{farthest:.4g} m", allowed)
         paths = strokes.trajectories[..., :2]
         return cls(paths, fit_knots(strokes.trajectories[..., 2]), _speeds(paths, strokes.times), strokes.poses)
 

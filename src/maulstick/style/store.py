@@ -2,6 +2,7 @@
 
 import hashlib
 import os
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -19,14 +20,14 @@ from maulstick.storage.text import is_printable
 from maulstick.strokes.strokes import POINTS, path_lengths
 from maulstick.style.cards import BUILT_IN, LARGEST, STYLES, ExemplarSettings, StyleCard, TrajVAESettings, read_card
 from maulstick.style.exemplar import Exemplar, PooledHands
-from maulstick.style.hand import Hand
+from maulstick.style.hand import LONGEST, Hand
 from maulstick.style.pressure import KNOTS
 from maulstick.style.shape import GIST, RESIDUAL
 from maulstick.style.trajvae import TrajVAE
 
 _HAND = {"paths": (POINTS, 2), "pressure": (KNOTS,), "speeds": (POINTS,)}  # shapes per stroke
 _HANDS = {"covariance": (GIST + 1, GIST + 1), "residual": (RESIDUAL,)}  # shapes
-_SHORTEST, _LONGEST = 1e-4, 100.0  # metres: a stroke outside is a damaged file
+_SHORTEST = 1e-4  # metres: a file with a shorter stroke, or one of over `LONGEST`, is damaged
 
 Arrays = dict[str, NDArray[np.generic]]
 """Arrays of a file by their names."""
@@ -38,8 +39,8 @@ Fitted = Exemplar | TrajVAE
 def write_style(style: Fitted, source: str, folder: Path) -> Path:
     """Write a style into a folder, which is made where missing, and return the path of its JSON.
 
-    source: what the style was learned from, for people.  Raises OutputError where writing fails. A JSON is never left
-    beside arrays that do not belong to it.
+    source: what the style was learned from, for people.  Title and earlier names stay those of the style that it
+    replaces.  Raises OutputError where writing fails. A JSON is never left beside arrays that do not belong to it.
     """
     name = STYLES.check_name(style.name)
     arrays = {field: getattr(style.hand, field).astype(np.float32) for field in _HAND}
@@ -55,6 +56,9 @@ def write_style(style: Fitted, source: str, folder: Path) -> Path:
     digest = hashlib.sha256(content).hexdigest()
     card = StyleCard(name=name, source=_printable(source), strokes=len(style.hand), settings=settings, sha256=digest)
     path = folder / f"{name}.json"
+    with suppress(InputError):  # there is none, or it is broken
+        replaced = read_card(path)
+        card = card.model_copy(update={"title": replaced.title, "formerly": replaced.formerly})
     try:
         folder.mkdir(parents=True, exist_ok=True)
         with TemporaryDirectory(dir=folder, prefix=".maulstick-") as staging:
@@ -124,9 +128,9 @@ def _hand(arrays: Arrays, strokes: int) -> Hand:
     if "poses" in arrays:
         hand = replace(hand, poses=_array(arrays, "poses", (strokes, 3)))
     lengths = path_lengths(hand.paths)
-    if not ((lengths >= _SHORTEST) & (lengths <= _LONGEST)).all() or hand.paths[:, 0].any():
+    if not ((lengths >= _SHORTEST) & (lengths <= LONGEST)).all() or hand.paths[:, 0].any():
         raise ValueError("a stroke of it is no standardised path of 0.1 mm to 100 m")
-    if hand.poses is not None and not (np.abs(hand.poses) <= _LONGEST).all():
+    if hand.poses is not None and not (np.abs(hand.poses) <= LONGEST).all():
         raise ValueError("a stroke of it lies nowhere")
     for name, values, most in (("pressure", hand.pressure, 1.0), ("speeds", hand.speeds, np.inf)):
         known = np.isfinite(values).all(axis=1)

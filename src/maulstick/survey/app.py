@@ -106,7 +106,7 @@ class _Pages:
         root = _root(request)
         if not person.begun:
             page = beginning(self._survey, len(their_questions), root)
-        elif person.answered < len(their_questions):
+        elif not person.finished and person.answered < len(their_questions):
             page = asking(self._survey, person.answered, their_questions, person.token, root, again=again)
         else:
             page = thanks(self._survey, root)

@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
+from rich.console import Console
 
 from maulstick.cli.record.writing import check_out, write_result
 from maulstick.errors import InputError
@@ -30,7 +31,11 @@ def ink(
     ] = None,
     longest: Annotated[
         str | None,
-        typer.Option(metavar="LENGTH", help="Length of the drawing's longer side, as in 150mm."),
+        typer.Option(
+            metavar="LENGTH",
+            show_default="as the file says, else 150mm",
+            help="Length of the drawing's longer side, as in 150mm.",
+        ),
     ] = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", metavar="", help="Replace an earlier file.")] = False,
 ) -> None:
@@ -49,7 +54,12 @@ def ink(
     from maulstick.recording.files.ink_files import read_ink_file  # loads parsers
 
     with made_folder(out.parent):
-        drawn, kind = read_ink_file(file, sheet, longer)
+        drawn, kind = read_ink_file(file, sheet, longer, _print_note)
         write_result(drawn, out, overwrite)
     print(f"{kind}: {drawn.summary()}")
     print(out, flush=True)
+
+
+def _print_note(note: str) -> None:
+    console = Console(stderr=True, markup=False, highlight=False)
+    console.print(f"note: {note}; say it with --size or --longest", soft_wrap=True)

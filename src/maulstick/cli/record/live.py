@@ -72,8 +72,10 @@ def live(
     tip, how = options.tip_of(pen_length, pen_axis, pivot, pen, sheet)
 
     from maulstick.recording.mocap.drawing import drawing_of  # these load scipy
+    from maulstick.recording.mocap.frames import check_corner
     from maulstick.recording.mocap.take import write_take
 
+    check_corner(corner)
     with made_folder(out.parent), made_folder(plot.parent):  # before anything is recorded
         take = _record(server, local, pen, sheet, multicast, seconds)
         write_take(take, kept)

@@ -47,8 +47,10 @@ def motive(
     contact = options.contact_options(threshold, merge, shortest)
     plot = check_outs(out, plot, overwrite)
     from maulstick.recording.mocap.drawing import drawing_of  # these load pandas and scipy
+    from maulstick.recording.mocap.frames import check_corner
     from maulstick.recording.mocap.motive import read_motive
 
+    check_corner(corner)
     with made_folder(out.parent), made_folder(plot.parent):  # before an hour is read
         tip, how = options.tip_of(pen_length, pen_axis, pivot, pen, sheet)
         drawing = drawing_of(read_motive(take, pen, sheet), tip, contact, corner, take.name)

@@ -57,13 +57,14 @@ def fit(
     with Console(stderr=True).status("learning …"):
         style = learn_style(name, strokes, kind)
     hand = style.hand
+    STYLES.check_own_name(name, overwrite)  # another process may have taken it meanwhile
     path = write_style(style, ", ".join(file.name for file in files), STYLES.own())
     rows = {
         "strokes": f"{len(hand)}{_left_out(len(strokes) - len(hand))}",
         "lengths": _lengths(path_lengths(hand.paths)),
         "pressure": _recorded(hand.pressure),
         "speed": _recorded(hand.speeds),
-        "arranged": _arranged(hand),
+        "arranged": _arranged(hand, len(files)),
         **_told(style),
         "learned in": f"{time.monotonic() - started:.2g} s",
         "kept as": f"{path}",
@@ -90,12 +91,12 @@ def _told(style: "Fitted") -> dict[str, str]:
     return {"latents": told}
 
 
-def _arranged(hand: "Hand") -> str:
+def _arranged(hand: "Hand", recordings: int) -> str:
     from maulstick.style.arrangement.arrangement import FEWEST
     from maulstick.style.arrangement.words import told
 
     if hand.arrangement is not None:
-        return told(hand.arrangement)
+        return told(hand.arrangement, recordings)
     return "too scattered to be learned" if len(hand) >= FEWEST else f"not learned: {FEWEST} strokes tell it"
 
 

@@ -4,8 +4,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from math import isfinite
 from pathlib import Path
-from typing import Final, Literal
+from typing import Any, Final, Literal
 
+import numpy as np
 from pydantic import ConfigDict
 
 from maulstick.errors import InputError, option
@@ -129,6 +130,8 @@ class PlanOptions:
     device: str = "auto"
 
     def __post_init__(self) -> None:
+        for name, value in vars(self).items():
+            object.__setattr__(self, name, _plain(value))
         check_kinds(vars(self), {each.name: each.type for each in fields(self)})
         for name in FILES:  # so that a plan can go on from any folder
             if getattr(self, name) is not None:
@@ -240,6 +243,13 @@ def colours_in(said: str) -> tuple[str, ...]:
 def _absolute(name: str) -> str:
     """Return the name of a style or a brush, or of its file as an absolute path."""
     return str(Path(name).absolute()) if Path(name).suffix == ".json" else name
+
+
+def _plain(value: Any) -> Any:
+    """Return a number of NumPy's, also within a mapping, as one of Python's, which files can hold."""
+    if isinstance(value, Mapping):
+        return {name: _plain(each) for name, each in value.items()}
+    return value.item() if isinstance(value, np.generic) else value
 
 
 def _check_whole(name: str, number: object, least: int, most: int, allowed: str | None = None) -> None:

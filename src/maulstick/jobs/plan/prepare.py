@@ -150,9 +150,9 @@ def _held(brushes: tuple[Brush, ...], options: PlanOptions) -> tuple[tuple[Brush
 
 
 def _tubes(options: PlanOptions) -> tuple[NamedPaint, ...]:
-    """Return the paints of a file. Raises InputError for more than there are strokes."""
+    """Return the paints of a file. Raises InputError for more than a new plan has strokes."""
     tubes = read_paints(options.paints_from) if options.paints_from is not None else ()
-    if options.strokes != AUTO and len(tubes) > options.strokes:
+    if options.again is None and options.strokes != AUTO and len(tubes) > options.strokes:
         raise InputError.of_range("the number of paints", len(tubes), f"at most the {options.strokes} strokes")
     return tubes
 

@@ -1,6 +1,5 @@
 """Files of regions: a map of the picture in colours, and a TOML file that says what holds in each."""
 
-import re
 import tomllib
 from collections.abc import Sequence
 from math import radians
@@ -13,6 +12,7 @@ from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
 
 from maulstick.colour.palette import parse_colour
 from maulstick.errors import InputError, validation_fault
+from maulstick.jobs.plan.region_names import REST, names_strokes
 from maulstick.painting.brush import Brush, Name, in_painting_order, load_brushes
 from maulstick.painting.fit import place_of
 from maulstick.painting.picture import read_picture
@@ -23,12 +23,8 @@ from maulstick.storage.arrays import Floats, Ints
 from maulstick.storage.files import read_whole
 from maulstick.style import Style, load_style
 
-REST = "rest"
-"""Name of what no region of a map covers."""
-
 _LARGEST = 2**20  # bytes of the TOML file: thousands of regions
 _MOST = 64  # regions: more than a person tells apart by their colours
-_OF_STROKES = re.compile(r"all|\d+(-\d+)?")  # what names strokes where a region's name may stand
 _SAME = 60 / 255  # of sRGB: what is further from the colours of all regions, and from white, is none of them
 _WHITE = (1.0, 1.0, 1.0)
 
@@ -64,7 +60,7 @@ class RegionFiles:
         for name, said in self._said.items():
             if name == REST:
                 continue
-            if _OF_STROKES.fullmatch(name):
+            if names_strokes(name):
                 raise InputError(f"{say}: a region is called {name}, as strokes are named; call it otherwise")
             if said.soft is not None:
                 try:

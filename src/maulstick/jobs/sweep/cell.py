@@ -1,9 +1,10 @@
 """Cell of a sweep: a folder that says what is asked for, and is finished by whoever comes to it."""
 
 import time
+import tomllib
 import traceback
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager, suppress
 from pathlib import Path
 from typing import Final
 
@@ -11,8 +12,9 @@ from pydantic import BaseModel, ConfigDict, JsonValue
 
 from maulstick.errors import InputError, MaulstickError, OutputError, needs_torch
 from maulstick.jobs.plan.request import PlanRequest, state_file, state_files, sum_of
+from maulstick.jobs.sweep.grid import LIBRARIES
 from maulstick.painting.brush import load_brushes
-from maulstick.storage.files import atomic_write, file_sum, file_to_read, held
+from maulstick.storage.files import atomic_write, file_sum, file_to_read, held, read_whole
 from maulstick.storage.folders import as_output_error
 from maulstick.storage.records import read_record, write_record
 from maulstick.style.cards import style_path
@@ -24,6 +26,7 @@ _BRUSH, _STYLE = "the brush", "the style"  # names of their sums
 _RECORD, _FAULT, _SHARE, _LOCK = "cell.json", "fault.txt", ".share", ".lock"
 _RESULTS = ("painting.json", "painting.svg", "preview.png", "palette.png")
 _PATIENCE = 10.0  # seconds: a process whose sweep was killed leaves sooner, between two steps
+_LARGEST = 2**20  # bytes of a file on regions: thousands of them
 _EVERY = 0.5  # seconds between two looks at the file that stops, and between two notes of how far it is
 
 
@@ -48,8 +51,8 @@ class _Stopped(Exception):  # noqa: N818  nothing is wrong
 def begin(folder: Path, request: PlanRequest) -> str | None:
     """Let a folder be that of a request with its sums; one that was asked for otherwise before begins anew.
 
-    Returns the name of what has changed, or None.  Raises OutputError where the folder holds something else, or cannot
-    be written.
+    Returns the name of what has changed, or None.  Raises InputError where the cell is planned as it was asked for
+    before, by a process that goes on, and OutputError where the folder holds something else, or cannot be written.
     """
     file = folder / _RECORD
     with as_output_error(folder):
@@ -65,10 +68,11 @@ def begin(folder: Path, request: PlanRequest) -> str | None:
         except InputError:
             changed = _RECORD
     if changed is not None:
-        with as_output_error(folder):
+        with _held(folder), as_output_error(folder):  # else what a sweep that was killed left behind writes over this
             for old in (*(folder / name for name in _RESULTS), *state_files(folder)):
                 old.unlink(missing_ok=True)
-    if record != older:
+            write_record(record, file)
+    elif record != older:
         write_record(record, file)
     return changed
 
@@ -83,11 +87,14 @@ def read_cell(folder: Path) -> CellRecord:
     return read_record(CellRecord, folder / _RECORD, "cell of a sweep")
 
 
-def share_of(folder: Path) -> float:
-    """Return the share of a cell that is planned, in [0, 1], as its process said last."""
+def share_of(folder: Path, before: float = 0.0) -> float:
+    """Return the share of a cell that is planned, in [0, 1], as its process said last.
+
+    before: what it is where nothing is said, as while that is written, or once all is.
+    """
     with suppress(OSError, ValueError):
         return float((folder / _SHARE).read_text())
-    return 0.0
+    return before
 
 
 def needs_gpu(folder: Path) -> bool:
@@ -103,9 +110,21 @@ def summed(request: PlanRequest, sum_file: Callable[[Path], str] = file_sum) -> 
     options = request.options
     if request.picture is not None:
         file_to_read(request.picture, "picture")
-    style = "" if options.style == "free" else sum_file(style_path(options.style))
-    brushes = [brush.model_dump(mode="json") for brush in load_brushes(options.brush)]
-    return request.with_sums({_BRUSH: sum_of(brushes), _STYLE: style}, sum_file)
+    said = [] if options.say is None else _said_in(options.say)
+    named = {kind: [getattr(options, kind), *(each[kind] for each in said if kind in each)] for kind in LIBRARIES}
+    styles = ["" if name == "free" else sum_file(style_path(name)) for name in named["style"]]
+    brushes = [brush.model_dump(mode="json") for names in named["brush"] for brush in load_brushes(names)]
+    return request.with_sums({_BRUSH: sum_of(brushes), _STYLE: "+".join(styles)}, sum_file)
+
+
+def _said_in(say: Path) -> list[dict[str, str]]:
+    """Return the names of style and brush that a file says for each region, as far as it can be read."""
+    try:
+        regions = tomllib.loads(read_whole(say, "description of regions", _LARGEST).decode())
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError):  # its cells tell why
+        return []
+    said = [region for region in regions.values() if isinstance(region, dict)]
+    return [{kind: name for kind, name in each.items() if isinstance(name, str)} for each in said]
 
 
 def plan_cell(folder: str, alive: Callable[[], bool] = lambda: True) -> str | None:
@@ -116,9 +135,7 @@ def plan_cell(folder: str, alive: Callable[[], bool] = lambda: True) -> str | No
     where = Path(folder)
     fault = where / _FAULT
     try:
-        taken = f"{where} is planned by another process"
-        held_here = held(where / _LOCK, taken, f"cannot write into {where}", "choose another folder", _PATIENCE)
-        with held_here, needs_torch():
+        with _held(where), needs_torch():
             if not is_finished(where):
                 _finish(where, _may_go_on(where.parent / STOP, alive))
         fault.unlink(missing_ok=True)
@@ -132,6 +149,12 @@ def plan_cell(folder: str, alive: Callable[[], bool] = lambda: True) -> str | No
     return None
 
 
+def _held(folder: Path) -> AbstractContextManager[None]:
+    """Hold a cell, so that no other process plans it; one that is left of a sweep that was killed soon lets go."""
+    taken = f"{folder} is planned by another process; wait for it, or end it"
+    return held(folder / _LOCK, taken, f"cannot write into {folder}", "choose another folder", _PATIENCE)
+
+
 def _finish(folder: Path, wanted: Callable[[], bool]) -> None:
     if not wanted():
         raise _Stopped
@@ -142,6 +165,7 @@ def _finish(folder: Path, wanted: Callable[[], bool]) -> None:
 
     record, request = read_cell(folder), _request(folder)
     prepared = prepare(request)
+    _check_files(request, prepared.request.sums)
     started, told, stopped = time.monotonic(), 0.0, False
     notes = [*prepared.notes, *_drop_unusable(folder, prepared.request)]
 
@@ -171,6 +195,17 @@ def _finish(folder: Path, wanted: Callable[[], bool]) -> None:
     keep_record()
     for file in state_files(folder):
         file.unlink()
+
+
+def _check_files(request: PlanRequest, sums: Mapping[str, str]) -> None:
+    """Raise InputError where a file is no longer what it was when the sweep began, whose other cells have that.
+
+    sums: of the files that the plan read, by their paths.
+    """
+    now = summed(request, lambda path: sums.get(str(path)) or file_sum(path)).sums
+    changed = next((name for name, was in request.sums.items() if now.get(name) != was), None)
+    if changed is not None:
+        raise InputError(f"{changed} has changed since the sweep began; sweep again")
 
 
 def _drop_unusable(folder: Path, request: PlanRequest) -> list[str]:
@@ -210,8 +245,9 @@ def _asked(request: PlanRequest) -> dict[str, object]:
     """Return all that a plan depends on by name, with the sums of files in place of their paths."""
     asked = {"picture": request.picture, **vars(request.options)}
     plain = {name: request.sums.get(str(value), value) for name, value in asked.items()}
-    named = {name: Path(plain[name]).name for name in ("style", "brush")}
-    return {**plain, **named, **{name: request.sums.get(name) for name in (_BRUSH, _STYLE)}}
+    named = {name: Path(plain[name]).name for name in LIBRARIES}
+    libraries = {name: request.sums.get(name) for name in (_BRUSH, _STYLE)}
+    return {**plain, **named, **libraries, "journal": set(request.sums.values())}  # no option names that
 
 
 def _first_line(error: Exception) -> str:

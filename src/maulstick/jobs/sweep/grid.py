@@ -20,9 +20,17 @@ from maulstick.storage.files import read_whole
 MOST_CELLS: Final = 10_000
 """Cells of one sweep; more are most likely a mistake."""
 
+TABLE: Final = "sweep.csv"
+"""Name of the table, beside the cells."""
+
+SHEET: Final = "sweep.png"
+"""Name of the contact sheet, beside the cells."""
+
+LIBRARIES: Final = ("style", "brush")
+"""Options that are names from a library, or files."""
+
 _PICTURE = "picture"
 _KNOWN = {_PICTURE, *(each.name for each in fields(PlanOptions))}
-_LIBRARIES = ("style", "brush")  # names, or files
 _LARGEST = 2**20  # bytes: far more than any grid takes
 _LONG_VALUE, _LONG_NAME = 40, 160  # letters: longer ones are cut, and end in a sum of the whole
 
@@ -56,9 +64,15 @@ class Grid(BaseModel):
         """
         self._check()
         cells = [self._cell(dict(zip(self.axes, values, strict=True)), folder) for values in product(*self._lists())]
-        name, times = Counter(cell.name.casefold() for cell in cells).most_common(1)[0]
+        names = Counter(cell.name.casefold() for cell in cells)
+        name, times = names.most_common(1)[0]
         if times > 1:
-            raise InputError(f"{times} cells would share the folder {name}; name each value of an axis once")
+            raise InputError(
+                f"{times} cells would share the folder {name}; name each value of an axis once, and files so that "
+                "their names differ"
+            )
+        for name in {*names} & {TABLE, SHEET}:
+            raise InputError(f"the folder of a cell would be {name}, as a result is called; rename that file")
         return cells
 
     def columns(self) -> int:
@@ -125,7 +139,7 @@ def _placed(name: str, value: JsonValue, folder: Path) -> Any:
     """Return the path of a file that is named relative to a folder, and any other value as it is."""
     if isinstance(value, str) and name in (_PICTURE, *FILES):
         return (folder / value).absolute()
-    if isinstance(value, str) and name in _LIBRARIES:
+    if isinstance(value, str) and name in LIBRARIES:
         named = [each.strip() for each in value.split(",")]  # several brushes
         return ",".join(str((folder / each).absolute()) if Path(each).suffix == ".json" else each for each in named)
     return value
@@ -134,7 +148,7 @@ def _placed(name: str, value: JsonValue, folder: Path) -> Any:
 def _label(name: str, value: JsonValue) -> str:
     """Return a value for the name of a folder; those that say what they are of stand alone."""
     text = re.sub(r"[^\w.+-]+", "-", _plain(value)).strip("-.") or "none"
-    return _cut(text if name in (_PICTURE, *_LIBRARIES) else f"{name}-{text}", _LONG_VALUE)
+    return _cut(text if name in (_PICTURE, *LIBRARIES) else f"{name}-{text}", _LONG_VALUE)
 
 
 def _plain(value: JsonValue) -> str:

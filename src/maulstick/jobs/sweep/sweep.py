@@ -9,15 +9,16 @@ from functools import cache
 from pathlib import Path
 from typing import Protocol
 
-from maulstick.errors import InputError, option
+from maulstick.errors import InputError, OutputError, option
 from maulstick.jobs.sweep.cell import STOP, begin, is_finished, share_of, summed
-from maulstick.jobs.sweep.grid import Cell, Grid
+from maulstick.jobs.sweep.grid import SHEET, TABLE, Cell, Grid
 from maulstick.storage.files import file_sum, held
 from maulstick.storage.folders import as_output_error, made_folder
 
 _LOOK = 0.3  # seconds between two looks at the jobs: enough for a progress bar
 _LOOK_EACH = 1e-3  # seconds more for each job: a disk that machines share is slow
 _MOST_RETRIES = 100
+_LOCK = ".lock"
 _UNSEEN = "what it wrote is not seen here; all machines must see the sweep's folder at the same path"
 
 
@@ -79,13 +80,14 @@ def opened(grid: Grid, folder: Path, out: Path, note: Callable[[str], None]) -> 
 
     folder: that its paths are relative to.  note: is told sentences for people.
     Raises InputError for a grid that cannot be planned, before anything is written, and OutputError for a folder that
-    cannot be written.
+    cannot be written, or holds something else.
     """
     sum_once = cache(file_sum)
     requests = [(cell, summed(cell.request, sum_once)) for cell in grid.cells(folder)]
+    _check_free(out)
     with made_folder(out):
         taken = f"another sweep works in {out}; wait for it, or choose another {option('out')}"
-        with held(out / ".lock", taken, f"cannot write into the folder {out}", f"choose another {option('out')}"):
+        with held(out / _LOCK, taken, f"cannot write into the folder {out}", f"choose another {option('out')}"):
             (out / STOP).unlink(missing_ok=True)
             standings = []
             for cell, request in requests:
@@ -94,6 +96,13 @@ def opened(grid: Grid, folder: Path, out: Path, note: Callable[[str], None]) -> 
                 at = out / cell.name
                 standings.append(Standing(cell, at, is_finished(at), share_of(at)))
             yield standings
+
+
+def _check_free(out: Path) -> None:
+    """Raise OutputError where a file has the name of a result, in a folder that no sweep has worked in."""
+    for name in (TABLE, SHEET):
+        if (out / name).exists() and not (out / _LOCK).exists():
+            raise OutputError(f"{out / name} is of no sweep, and would be replaced; choose another {option('out')}")
 
 
 def finish(
@@ -129,7 +138,7 @@ def finish(
             for each, job in list(running.items()):
                 each.running = not job.done()
                 if each.running:
-                    each.share = share_of(each.folder)
+                    each.share = share_of(each.folder, each.share)
                     continue
                 del running[each]
                 fault = _fault(job) or _UNSEEN

@@ -9,7 +9,7 @@ from defusedxml import DefusedXmlException  # type: ignore[import-untyped]
 
 from maulstick.errors import InputError, Remedy
 from maulstick.recording.files.inkml import read_inkml
-from maulstick.recording.files.page import Page, on_sheet
+from maulstick.recording.files.page import LONGEST, Page, on_sheet
 from maulstick.recording.files.pointer_events import read_pointer_events
 from maulstick.recording.files.svg_ink import read_svg
 from maulstick.recording.files.wacom import read_uim, read_will
@@ -26,11 +26,14 @@ _START = 64 * 2**10  # bytes in which the outermost element of XML must begin
 
 
 def read_ink_file(
-    path: str | Path, size: tuple[float, float] | None = None, longest: float | None = None
+    path: str | Path,
+    size: tuple[float, float] | None = None,
+    longest: float | None = None,
+    note: Callable[[str], None] = lambda _: None,
 ) -> tuple[Ink, str]:
     """Return the ink in a file of one of the `FORMATS`, and the name of its format.
 
-    size, longest: metres, see `page.on_sheet`.
+    size, longest: metres, see `page.on_sheet`.  note: is told a sentence for people where the scale is not known.
     Raises InputError where the file is of another format, or damaged.
     """
     path = file_to_read(path, "drawing")
@@ -43,7 +46,7 @@ def read_ink_file(
     try:
         with np.errstate(all="ignore"):  # `on_sheet` refuses infinite and very large numbers with a message
             page = reader(content)
-            return on_sheet(page, size, longest, path.name), page.kind
+            ink = on_sheet(page, size, longest, path.name)
     except DefusedXmlException as error:
         raise InputError(f"cannot read {path} as {name}: it declares entities; save it as plain {name}") from error
     except RecursionError as error:
@@ -51,6 +54,9 @@ def read_ink_file(
     except Exception as error:  # the parsers raise nearly anything
         fault = " ".join(str(error).split()) or type(error).__name__
         raise InputError(f"cannot read {path} as {name}: {fault[:200]}") from error
+    if page.unit is None and size is None and longest is None:
+        note(f"{path.name} does not say how large it was drawn: its longer side is taken to be {LONGEST * 1e3:g} mm")
+    return ink, page.kind
 
 
 def _reader(content: bytes, path: Path) -> tuple[str, Callable[[bytes], Page]]:

@@ -38,7 +38,7 @@ def on_sheet(page: Page, size: tuple[float, float] | None, longest: float | None
     With `size`, (width, height) in metres, the page fills a sheet of that size as far as it can without distortion.
     With `longest` the longer side of the drawing is that many metres. With neither it keeps its size, and where that is
     unknown its longer side is `LONGEST`. Where the file has no page size, the page is the drawing with a margin of a
-    twentieth of its longer side.
+    twentieth of its longer side. Times count as not recorded where none passes within any stroke.
 
     Raises InputError where there are no samples, too many, or one without a finite place.
     """
@@ -66,7 +66,9 @@ def on_sheet(page: Page, size: tuple[float, float] | None, longest: float | None
         scale = page.unit or 1.0
     width, height = size or np.maximum(np.round(scale * box, 6), _LEAST_SHEET).tolist()
     samples[:, 1:3] = scale * (places - origin) + (np.array([width, height]) - scale * box) / 2
-    if not np.isnan(samples[:, 0]).all():
+    if any(np.ptp(stroke[:, 0]) > 0 for stroke in page.strokes if len(stroke)):
         samples[:, 0] -= np.nanmin(samples[:, 0])
+    else:
+        samples[:, 0] = np.nan
     lengths = np.array([len(stroke) for stroke in page.strokes if len(stroke)], dtype=np.int64)
     return Ink(samples, lengths, (width, height), source)

@@ -1,5 +1,6 @@
 """Reader of strokes that a web page recorded from pointer events, in Maulstick's own JSON (docs/pointer-events.md)."""
 
+from codecs import BOM_UTF8
 from typing import Annotated, Literal
 
 import numpy as np
@@ -42,7 +43,7 @@ def read_pointer_events(content: bytes) -> Page:
     recording in pixels do.
     """
     try:
-        recording = _Recording.model_validate_json(content, strict=True)
+        recording = _Recording.model_validate_json(content.removeprefix(BOM_UTF8), strict=True)
     except ValidationError as error:
         raise InputError(validation_fault(error)) from error
     for index, points in enumerate(recording.strokes):

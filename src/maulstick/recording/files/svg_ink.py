@@ -5,7 +5,7 @@ import re
 from xml.etree.ElementTree import Element, tostring
 
 import numpy as np
-from svgelements import SVG, Path, Shape  # type: ignore[import-untyped]
+from svgelements import SVG, Path, Rect, Shape  # type: ignore[import-untyped]
 
 from maulstick.errors import InputError
 from maulstick.recording.files.curves import polylines
@@ -15,6 +15,7 @@ from maulstick.recording.files.svg_paths import chains_of, check_uses
 from maulstick.storage.arrays import Floats
 
 _NEVER_DRAWN = ("symbol", "marker", "mask", "pattern", "clipPath")  # elements that are drawn only by reference
+_NEAR_EDGE = 0.5  # pixels from the page's edge that its paper may begin or end at: programs round lengths
 _LARGEST = 12 * 2**20  # characters, after every <use> is replaced: takes up to a minute
 
 
@@ -22,19 +23,23 @@ def read_svg(content: bytes) -> Page:
     """Read the page of an SVG: one stroke per path, subpath, line and shape, transformed, without times and pressure.
 
     The unit is known where width and height of the document are lengths, with 96 pixels per inch. Curves are sampled as
-    in `curves.polylines`. Text and images are left out.
+    in `curves.polylines`. Text, images and the page's paper are left out.
     Raises InputError where the file cannot be read, grows too large with every <use> replaced, or has no shape.
     """
     root = parsed(content, "svg")
     check_uses(root, _LARGEST)
     _hide(root)
+    across, down = _metres(root.get("width")), _metres(root.get("height"))
+    if across and down and root.get("viewBox") is None:  # without one svgelements swaps what 100 % of each side is
+        root.set("viewBox", f"0 0 {across / METRES['px']} {down / METRES['px']}")
     document = SVG.parse(io.BytesIO(tostring(root)), on_error="raise")
-    chains = [c for shape in document.elements() if isinstance(shape, Shape) for c in chains_of(Path(shape))]
+    width, height = float(document.width), float(document.height)
+    shapes = [shape for shape in document.elements() if isinstance(shape, Shape) and _is_visible(shape)]
+    drawn = [shape for shape in shapes if not _is_paper(shape, width, height)]
+    chains = [chain for shape in drawn for chain in chains_of(Path(shape))]
     if not chains:
         raise InputError("there is no path or shape in it; convert text and objects to paths in the drawing program")
-    width, height = float(document.width), float(document.height)
-    metres = _metres(root.get("width"))
-    unit = metres / width if metres and _metres(root.get("height")) and width > 0 and height > 0 else None
+    unit = across / width if across and down and width > 0 and height > 0 else None
     strokes = [_stroke(points) for points in polylines(chains)]
     return Page(strokes, unit, None if unit is None else (width, height), "SVG")
 
@@ -47,6 +52,19 @@ def _hide(root: Element) -> None:
                 parent[index] = hidden = Element(str(child.tag).replace(local_name(child), "defs"))
                 child.tag = str(child.tag).replace(local_name(child), "g")
                 hidden.append(child)
+
+
+def _is_visible(shape: Shape) -> bool:
+    """Return whether a shape is seen; svgelements itself leaves out what has no display."""
+    return shape.values.get("visibility") not in ("hidden", "collapse")
+
+
+def _is_paper(shape: Shape, width: float, height: float) -> bool:
+    """Return whether a shape is a rectangle without an outline over the whole page, as programs lay under a drawing."""
+    if not isinstance(shape, Rect) or shape.stroke.value is not None or (box := shape.bbox()) is None:
+        return False
+    left, upper, right, lower = box
+    return bool(max(left, upper) < _NEAR_EDGE and min(right - width, lower - height) > -_NEAR_EDGE)
 
 
 def _metres(side: str | None) -> float | None:

@@ -56,8 +56,7 @@ def canvas_path(take: Take, corner: str = "upper-left") -> CanvasPath:
 
     Raises InputError where the take shows no canvas, or no right angle.
     """
-    if corner not in CORNERS:
-        raise InputError.of_choice("corner", corner, CORNERS)
+    check_corner(corner)
     whole: Bools = np.all(np.isfinite(take.canvas_markers), axis=(1, 2))
     if not whole.any():
         raise InputError("the three markers of the canvas are never seen together; let the cameras see all three")
@@ -78,6 +77,12 @@ def canvas_path(take: Take, corner: str = "upper-left") -> CanvasPath:
     _, counts = np.unique(order[good[whole]], axis=0, return_counts=True)
     swapped = int(counts.sum() - counts.max())
     return CanvasPath(origins, rotations, size, skew, swapped, int(mended.sum()), int((known & ~good & ~mended).sum()))
+
+
+def check_corner(corner: str) -> None:
+    """Raise InputError for what is none of the `CORNERS`."""
+    if corner not in CORNERS:
+        raise InputError.of_choice("corner", corner, CORNERS)
 
 
 def _pen_body(take: Take) -> Floats:

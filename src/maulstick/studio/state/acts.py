@@ -1,6 +1,7 @@
 """Acts of a person in a file of lines that only grows: each an edit, or that the last one was undone or redone."""
 
 import asyncio
+import errno
 import json
 import os
 from collections.abc import Callable, Mapping, Sequence
@@ -12,6 +13,7 @@ from nicegui import Event
 from maulstick.errors import InputError
 from maulstick.storage.files import atomic_write
 from maulstick.storage.folders import MAKE_ROOM, as_output_error
+from maulstick.studio.workers.stroke_marks import no_plan
 
 _UNDO, _REDO = "undo", "redo"
 
@@ -62,14 +64,22 @@ class Acts:
                 self._append({"act": _REDO})
 
     def add(self, kind: str, act: str) -> None:
-        """Add an act of a kind, in JSON. Raises OutputError where it cannot be written."""
+        """Add an act of a kind, in JSON. Raises OutputError where it cannot be written, InputError as `no_plan`."""
         self._append({kind: json.loads(act)})
 
     def _append(self, line: dict[str, Any]) -> None:
-        with as_output_error(self._file.parent, MAKE_ROOM), self._file.open("ab") as file:
-            file.write(f"{json.dumps(line)}\n".encode())
-            file.flush()
-            os.fsync(file.fileno())
+        if not self._file.parent.is_dir():
+            raise no_plan()
+        content = f"{json.dumps(line)}\n".encode()
+        with as_output_error(self._file.parent, MAKE_ROOM), self._file.open("ab", buffering=0) as file:
+            before = file.tell()
+            try:
+                if file.write(content) != len(content):
+                    raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+                os.fsync(file.fileno())
+            except OSError:
+                file.truncate(before)  # or the next act would stand on a line with half of this one
+                raise
         self._lines.append(line)
         self.changed.emit()
 

@@ -17,6 +17,7 @@ from maulstick.studio.workers.said import SAID_ACT
 from maulstick.studio.workers.stroke_changes import StrokeChanges, changes_of
 from maulstick.studio.workers.stroke_marks import (
     ShownSheet,
+    Written,
     changed_marks,
     check_edits,
     drawn_edit,
@@ -103,8 +104,8 @@ class Directing:
         """Do again what was undone last, unless something else was done since."""
         await self._acts.redo()
 
-    async def write(self, to: Path) -> bytes:
-        """Write the painting as it is now into a file, and return a JPEG of it. Raises as `write_edited`."""
+    async def write(self, to: Path) -> Written:
+        """Write the painting as it is now into a file; raises as `write_edited`."""
         return await self._desk.do(write_edited, self._painting, self.edits, to)
 
     async def changes(self) -> StrokeChanges:

@@ -93,9 +93,11 @@ class Plans:
         self.changed.emit()
 
     def go_on(self, plan: Plan) -> None:
-        """Go on with a plan that was stopped or failed. Raises InputError where it was begun on paper."""
+        """Go on with a plan that was stopped or failed. Raises InputError where a machine began it."""
         if journal_of(plan.folder / "painting.json").exists():
-            raise InputError(f"{plan.title} was begun on paper, so its strokes must stay; plan the picture once more")
+            raise InputError(
+                f"{plan.title} was begun on paper, or rehearsed, so its strokes must stay; plan the picture once more"
+            )
         if not plan.is_busy:
             plan.phase = Phase.WAITING
             self._next()

@@ -8,6 +8,7 @@ from typing import Any, Final, final
 from pydantic import ValidationError
 
 from maulstick.errors import InputError, validation_fault
+from maulstick.jobs.plan.region_names import names_strokes
 from maulstick.jobs.plan.request import PlanRequest
 from maulstick.studio.state.acts import Acts
 from maulstick.studio.state.titles import clean_title, numbered
@@ -85,7 +86,9 @@ class Saying:
         Raises InputError for values that cannot be, and where it is taken out.
         """
         if "name" in fields:
-            fields["name"] = clean_title(str(fields["name"]))
+            fields["name"] = name = clean_title(str(fields["name"]))
+            if names_strokes(name):
+                raise InputError(f"strokes are named as {name} is; give the region another name, such as “part {name}”")
         async with self._acts.turn:
             region = next((each for each in self.now.regions if each.id == id), None)
             if region is None:

@@ -112,9 +112,10 @@ class Studio:
             done += f" without {' and '.join(f'“{each}”' for each in unseen)}, of which nothing is seen on the picture"
         strokes, hands = await directing.changes(), self.styles.titles()
         changes = version_in_words(strokes, said.at_first, said.now, hands, "kept as it is" if is_kept else done)
-        frame = await directing.write(now := self.folder.incoming())
+        written = await directing.write(now := self.folder.incoming())
         title = version_title(plan.title, [title_of(each.folder) for each in self.plans.plans.values()])
-        return self.plans.add(request, title, Around(now, frame, files, changes, is_kept, under, painted, before))
+        around = Around(now, written.frame, files, changes, is_kept, under, painted, before, written.strokes)
+        return self.plans.add(request, title, around)
 
     def throw_picture_away(self, name: str) -> Path:
         """Move a picture into the trash, while plans that are made from it keep it; return its place there.

@@ -9,11 +9,12 @@ from typing import Any
 from pydantic import BaseModel, ConfigDict
 
 from maulstick.errors import InputError
-from maulstick.jobs.plan.options import PlanOptions
+from maulstick.jobs.plan.options import MOST_STROKES, PlanOptions
 from maulstick.jobs.plan.request import PlanRequest
 from maulstick.robot.journal import Journal, journal_of, latest_sheet, was_begun
 from maulstick.storage.files import atomic_write
 from maulstick.storage.records import read_record, write_record
+from maulstick.studio.state.titles import MOST_LETTERS, clean_title
 from maulstick.studio.state.weighing import weights_in_words
 from maulstick.studio.workers.planner import KEPT
 from maulstick.studio.workers.said_files import GUIDES, MAP, SAY
@@ -45,6 +46,7 @@ class Around:
     changes: sentence on what differs from the plan that it came from.  is_kept: whether nothing is planned.
     photograph: of the sheet, with strokes of these ids that are `painted`, over which the rest is planned.
     weights: of all terms of the plan that it came from, where others are to matter.
+    strokes: number that it has in all, those locked counted, as its file says; None where it says none.
     """
 
     painting: Path
@@ -55,6 +57,7 @@ class Around:
     photograph: Path | None = None
     painted: frozenset[int] = frozenset()
     weights: dict[str, float] | None = None
+    strokes: int | None = None
 
     def move_to(self, folder: Path, request: PlanRequest) -> PlanRequest:
         """Move the painting and the files into a plan's folder; return its request, once, for the rest around them."""
@@ -67,6 +70,9 @@ class Around:
             own |= {"background": self.photograph, "paper": PlanOptions.paper}
             with Journal.open(journal_of(again)) as journal:
                 journal.revise(again, sorted(self.painted))
+        if self.strokes is not None:  # guides that are painted came beside those asked for, and painted ones are gone
+            own["strokes"] = strokes = min(self.strokes, MOST_STROKES)
+            own["paints"] = None if request.options.paints is None else min(request.options.paints, strokes)
         return replace(request, options=replace(request.options, again=again, **own), tries=1)
 
 
@@ -109,8 +115,11 @@ def changes_in(folder: Path, weights: Mapping[str, float]) -> str:
 
 def version_title(title: str, others: Iterable[str]) -> str:
     """Return the title of a further version of the plan of that title: "Cat, version 2". others: all plans' titles."""
-    first = _VERSION.sub("", title)
-    found = [
-        int(number[1]) for other in others if _VERSION.sub("", other) == first for number in _VERSION.finditer(other)
-    ]
+    first = _first(title)
+    found = [int(number[1]) for other in others if _first(other) == first for number in _VERSION.finditer(other)]
     return f"{first}, version {1 + max(found, default=1)}"
+
+
+def _first(title: str) -> str:
+    """Return the title of the plan that a version came from at first, so short that a number has room behind it."""
+    return clean_title(_VERSION.sub("", title), MOST_LETTERS - len(", version 999999"))

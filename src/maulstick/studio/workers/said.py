@@ -7,6 +7,7 @@ from typing import Annotated, Final, Literal, Self, TypeVar
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, TypeAdapter
 
 from maulstick.errors import InputError
+from maulstick.jobs.plan.region_names import REST
 from maulstick.painting.brush import Name
 from maulstick.painting.fields import Metres
 
@@ -16,7 +17,6 @@ MOST_REGIONS: Final = 63
 ALONG_GUIDES: Final = "guides"
 """Direction of strokes that follow the guides."""
 
-_REST = "rest"  # what no region covers, in the file of a plan's regions
 _LEVELS = (0, 64, 128, 191, 255)  # of red, green and blue: neighbours are further apart than 60, as a map needs it
 _WHITE = (255, 255, 255)
 _FIRST = (255, 0, 0)
@@ -28,7 +28,7 @@ Area = tuple[Annotated[tuple[Ring, ...], Field(min_length=1)], ...]
 
 
 def _not_the_rest(name: str) -> str:
-    if name.strip().casefold() == _REST:
+    if name.strip().casefold() == REST:
         raise ValueError(f"{name} is the name of what no region covers; choose another")
     return name
 

@@ -46,6 +46,14 @@ class ShownSheet:
     paints: tuple[ShownPaint, ...]
 
 
+@dataclass(frozen=True)
+class Written:
+    """Plan that was written with edits. frame: a JPEG of it.  strokes: planned and locked, None where it says none."""
+
+    frame: bytes
+    strokes: int | None
+
+
 def shown_sheet(file: Path) -> ShownSheet:
     """Return the sheet and the paints of the painting in a file. Raises InputError as `read_painting`."""
     painting = after_edits(file, ())
@@ -75,14 +83,12 @@ def check_edits(file: Path, edits: tuple[str, ...]) -> None:
     after_edits(file, edits)
 
 
-def write_edited(file: Path, edits: tuple[str, ...], to: Path) -> bytes:
-    """Write the plan with these edits, in JSON, into another file, and return a JPEG of it.
-
-    Raises InputError, and OutputError for no room.
-    """
+def write_edited(file: Path, edits: tuple[str, ...], to: Path) -> Written:
+    """Write the plan with these edits, in JSON, into another file. Raises InputError, and OutputError for no room."""
     painting = after_edits(file, edits)
     write_painting(painting, to)
-    return first_frame(painting)
+    strokes = painting.provenance.options.get("strokes")
+    return Written(first_frame(painting), strokes if isinstance(strokes, int) else None)
 
 
 def drawn_edit(file: Path, paint: int, points: list[tuple[float, float, float]]) -> str:
@@ -109,8 +115,13 @@ def after_edits(file: Path, edits: tuple[str, ...]) -> Painting:
     try:
         changed = file.stat().st_mtime_ns
     except OSError as error:
-        raise InputError("that plan is there no more; look in the trash") from error
+        raise no_plan() from error
     return _edited(file, changed, edits)
+
+
+def no_plan() -> InputError:
+    """Return the error for a plan that was thrown away meanwhile."""
+    return InputError("that plan is there no more; look in the trash")
 
 
 @lru_cache(maxsize=4)

@@ -19,7 +19,9 @@ from maulstick.style.arrangement.order import succession_of
 FEWEST = 30
 """Least number of strokes that an arrangement can be learned from."""
 
-_MOST = 10  # strokes of a group: longer runs are parted, so that a plan has places for its parts
+LARGEST_GROUP = 10
+"""Most strokes of a group: longer runs are parted, so that a plan has places for their parts."""
+
 _LEAST_IN_COMPANY = 0.5  # share of strokes that have another within a median length; below, a hand scatters them
 
 
@@ -86,7 +88,7 @@ class Arrangement:
         lines = shapely.linestrings(self.paths)
         apart = shapely.distance(lines[1:], lines[:-1]) > np.median(path_lengths(self.paths))
         runs = np.split(np.arange(len(self.paths)), np.flatnonzero(apart) + 1)
-        return tuple(run[first : first + _MOST] for run in runs for first in range(0, len(run), _MOST))
+        return tuple(run[first : first + LARGEST_GROUP] for run in runs for first in range(0, len(run), LARGEST_GROUP))
 
     @cached_property
     def laps(self) -> Floats:

@@ -4,7 +4,7 @@ import numpy as np
 import shapely
 
 from maulstick.strokes.strokes import path_lengths
-from maulstick.style.arrangement.arrangement import Arrangement
+from maulstick.style.arrangement.arrangement import LARGEST_GROUP, Arrangement
 from maulstick.style.arrangement.laid import NEAREST
 from maulstick.style.arrangement.neighbourhoods import MEAN_GAP
 
@@ -16,16 +16,20 @@ _LAP = 0.15  # of a stroke's length, of the median one for gaps: less is neither
 _IN_ORDER = 1.4  # median length of the first half of a drawing over that of the last, or the reverse
 
 
-def told(arrangement: Arrangement) -> str:
-    """Return how the strokes are arranged, in a sentence: groups, direction, spacing, crossings, joints, order."""
+def told(arrangement: Arrangement, recordings: int = 1) -> str:
+    """Return how the strokes are arranged, in a sentence: groups, direction, spacing, crossings, joints, order.
+
+    recordings: so many are laid side by side. Nothing is told of the order in several, as nobody drew them in one go.
+    """
     size = np.median([len(rows) for rows in arrangement.groups for _ in rows])
     near = arrangement.neighbourhoods
     parallel = float(near.numbers[:, NEAREST : 2 * NEAREST].mean())
     way = "parallel" if parallel >= _PARALLEL else "roughly parallel" if parallel >= _LOOSE else "in all directions"
-    company = f"groups of {size:.0f}" if size > 1 else "single strokes"
+    more = " or more" if size >= LARGEST_GROUP else ""
+    company = f"groups of {size:.0f}{more}" if size > 1 else "single strokes"
     apart = 1e3 * near.unit * float(near.numbers[:, MEAN_GAP].median().exp())
     parts = [f"{company}, {way}{_leaning(arrangement)}, {apart:.1f} mm apart", _crossing(arrangement)]
-    return "; ".join([*parts, *_joints(arrangement), *_order(arrangement)])
+    return "; ".join([*parts, *_joints(arrangement), *(_order(arrangement) if recordings == 1 else [])])
 
 
 def _leaning(arrangement: Arrangement) -> str:

@@ -76,13 +76,24 @@ def build(studio: Studio, name: str) -> None:
 
     background_tasks.create(lay_out(), context=place)
 
+    def look() -> None:
+        """Load the page again where the plan is gone, or goes on: what is done here would be done to other strokes."""
+        try:
+            is_same = studio.directing(name) is directing
+        except InputError:
+            is_same = False
+        if not is_same:
+            ui.navigate.reload()
+
+    shown_by(place, studio.plans.changed, look)
+
 
 class _Directed:
     """Canvas of a plan with its tools beside it."""
 
     def __init__(self, studio: Studio, plan: Plan, directing: Directing, sheet: ShownSheet, title: str) -> None:
         self._studio, self._plan, self._directing = studio, plan, directing
-        self._tool = CHOOSE
+        self._tool, self._makes_version = CHOOSE, False
         picture = f"/picture/plans/{plan.name}/{TARGET}" if (plan.folder / TARGET).is_file() else ""
         side = ui.element().classes("side")
         with ui.element().classes("wide"):
@@ -158,13 +169,17 @@ class _Directed:
     async def _make_version(
         self, event: events.ClickEventArguments, *, is_kept: bool = False, photograph: str = ""
     ) -> None:
-        button = event.sender
+        if self._makes_version:  # by the first click of two
+            return
+        self._makes_version, button = True, event.sender
         button.props("loading")
         try:
             await self._studio.version_of(self._plan.name, is_kept=is_kept, photograph=photograph)
         finally:
             button.props(remove="loading")
-        ui.navigate.to("/plan")
+            self._makes_version = False
+        if not self._canvas.is_deleted:  # with the panel
+            ui.navigate.to("/plan")
 
     def _keys(self) -> None:
         with ui.expansion("Keys", icon="keyboard").props("dense"), html.dl().classes("keys"):

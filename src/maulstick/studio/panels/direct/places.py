@@ -33,6 +33,8 @@ class Places:
         self._saying, self._canvas = directing.saying, canvas
         self._usual_broad = round(min(_BROAD, _SHARE * min(sheet.width, sheet.height)), 1)
         self._chosen: int | None = None
+        self._rows: list[tuple[int, str, str, bool]] = []
+        self._buttons: dict[int, ui.button] = {}
         self.root = ui.element().classes("sheet places")
         with self.root:
             self._hint = ui.label().classes("hint")
@@ -52,7 +54,8 @@ class Places:
     @property
     def _width(self) -> float:
         """Width of the brush of importance, millimetres."""
-        return float(self._broad.value or self._usual_broad)
+        typed = self._broad.value or 0
+        return float(typed) if typed > 0 else self._usual_broad  # as while a minus sign is typed
 
     def take_up(self, tool: str) -> None:
         """Show what is needed for a tool of `SAYING`, or nothing for another one."""
@@ -66,12 +69,17 @@ class Places:
         if self._chosen not in [each.id for each in (*said.regions, *said.guides)]:
             self._chosen = None
         self._canvas.show_places(said, self._chosen, self._width)
-        self._list.clear()
-        with self._list:
-            for region in reversed(said.regions):  # as they lie, the topmost first
-                self._row(region.id, region.name, region.colour, is_bare=region.bare)
-            for number, guide in enumerate(said.guides, start=1):
-                self._row(guide.id, f"Guide {number}", "", is_bare=False)
+        rows = [(each.id, each.name, each.colour, each.bare) for each in reversed(said.regions)]  # the topmost first
+        rows += [(guide.id, f"Guide {number}", "", False) for number, guide in enumerate(said.guides, start=1)]
+        if rows != self._rows:  # or what has the keyboard's focus would lose it
+            self._rows = rows
+            self._buttons = {}
+            self._list.clear()
+            with self._list:
+                for id, name, colour, is_bare in rows:
+                    self._buttons[id] = self._row(id, name, colour, is_bare=is_bare)
+        for id, button in self._buttons.items():
+            button.props["aria-pressed"] = "true" if id == self._chosen else "false"
         self._fields.show(next((each for each in said.regions if each.id == self._chosen), None))
 
     async def take_out(self) -> None:
@@ -79,10 +87,10 @@ class Places:
         if self._chosen is not None:
             await self._saying.take_out(self._chosen)
 
-    def _row(self, id: int, name: str, colour: str, *, is_bare: bool) -> None:
+    def _row(self, id: int, name: str, colour: str, *, is_bare: bool) -> ui.button:
+        """Make the row of a region or a guide; return the button that chooses it."""
         with html.li(), ui.element().classes("line row"):
             button = ui.button(on_click=lambda: self._choose(id)).props("flat align=left").classes("grow")
-            button.props["aria-pressed"] = "true" if id == self._chosen else "false"
             with button:
                 swatch = ui.element().classes("swatch").props("aria-hidden=true")
                 if is_bare:
@@ -94,6 +102,7 @@ class Places:
                 ui.label(name).classes("name")
             away = ui.button(icon="delete", on_click=lambda: self._saying.take_out(id)).props("flat round dense")
             away.tooltip("Take it out").props["aria-label"] = f"Take out {name}"
+        return button
 
     def _choose(self, id: int | None) -> None:
         self._chosen = None if id == self._chosen else id
@@ -110,6 +119,7 @@ class Places:
         try:
             await self._saying.change(self._chosen, **fields)
         except MaulstickError:
+            self._fields.show(None)
             self.show()
             raise
 

@@ -47,7 +47,9 @@ class RegionFields:
             choice.on_value_change(self._keep)
 
     def show(self, region: SaidRegion | None) -> None:
-        """Show what is said of a region, or hide the fields."""
+        """Show what is said of a region, or hide the fields; what is typed stays where nothing else is said of it."""
+        if region is not None and region == self._shown:
+            return
         self._root.visible = region is not None
         self._shown = None  # or each field that is set would say it again
         if region is None:
@@ -81,7 +83,7 @@ class RegionFields:
     def _values(self, region: SaidRegion) -> dict[str, Any]:
         """Return what the fields say, and where one is empty, what was said."""
         direction: object = {"": None, _ONE_WAY: self._degrees.value or 0.0}.get(self._way.value, ALONG_GUIDES)
-        size = self._size.value or 1.0
+        size = 1.0 if self._size.value is None else self._size.value
         return {
             "name": self._name.value or region.name,
             "bare": bool(self._bare.value),

@@ -222,6 +222,8 @@ def _summary(request: PlanRequest, style: str) -> str:
     strokes = "as many strokes as it needs" if options.strokes == AUTO else f"{options.strokes} strokes"
     if options.inks:
         colours = "one ink" if len(options.inks) == 1 else f"{len(options.inks)} inks"
+    elif mixed is None:
+        colours = "the paints of your tubes"
     else:
         colours = _only(options.brush) if mixed == 1 else f"{mixed} paints"
     parts = [hand, brushes_in_words(options.brush), strokes, colours, in_words(options.size)]

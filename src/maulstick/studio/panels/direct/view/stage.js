@@ -92,7 +92,10 @@ export class Stage {
     if (message.chosen) {
       const before = this.chosen;
       this.chosen = message.chosen;
-      if (!this.chosen.ids.length) this.settle();
+      if (!this.chosen.ids.length) {
+        if (this.isMoved) this.act = null; // another page has taken it out
+        this.settle();
+      }
       this.repaint();
       if (JSON.stringify(before) !== JSON.stringify(this.chosen)) this.emit("chosen", this.chosen);
     }
