@@ -16,12 +16,15 @@ from maulstick.jobs.plan.options import PlanOptions
 from maulstick.jobs.plan.prepare import prepare
 from maulstick.jobs.plan.prepared import Prepared
 from maulstick.jobs.plan.request import PlanRequest
+from maulstick.painting.brush import load_brush
 from maulstick.painting.painting import Painting
 from maulstick.painting.raster import Canvas
 from maulstick.planning.regions import Regions
 from maulstick.rendering.preview import preview
 from maulstick.style import load_style
+from maulstick.style.store import write_style
 from tests.support.planned import picture
+from tests.support.style.synthetic_hands import exemplar_of, line
 
 SIDE, PX = 0.06, 48
 PLAN: dict[str, Any] = {
@@ -248,6 +251,22 @@ def test_a_region_draws_as_large_as_it_says_or_else_as_the_plan_does(folder: Pat
         assert regions is not None
         (face,) = (region for region in regions.said if region.name == "face")
         assert face.hand.hash == load_style("contour", prepared.layout.canvas).scaled(size).hash
+
+
+def test_files_of_a_brush_and_a_hand_lie_beside_what_names_them_wherever_one_is(
+    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    mine = load_brush("fineliner").model_copy(update={"name": "mine"})
+    (folder / "mine.json").write_text(mine.model_dump_json())
+    write_style(exemplar_of(line), "lines", folder)
+    name = f"{exemplar_of(line).name}.json"
+    monkeypatch.chdir(tmp_path)
+    say = f"[face]\ncolour = 'red'\nbrush = 'marker, mine.json'\nstyle = '{name}'\n"
+    prepared = prepared_with(folder, say)
+    regions = prepared.problem.regions
+    assert regions is not None
+    assert [brush.name for brush in prepared.brushes] == ["marker", "mine"]
+    assert regions.said[1].hand.hash == exemplar_of(line).hash
 
 
 @pytest.mark.parametrize(

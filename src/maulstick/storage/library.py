@@ -64,3 +64,13 @@ class Library:
                 f"there is a {self.what} {name} already; choose another {option('name')}, or add {option('overwrite')}"
             )
         return name
+
+
+def placed(name: str, folder: Path) -> str:
+    """Return a name as it is, and that of a JSON file, seen from a folder, as its absolute path."""
+    return str((folder / name).absolute()) if Path(name).suffix == ".json" else name
+
+
+def all_placed(names: str, folder: Path) -> str:
+    """Return the same of several names with commas between them."""
+    return ",".join(placed(name.strip(), folder) for name in names.split(","))

@@ -15,6 +15,7 @@ from maulstick.painting.edit import WHOLE, Crop, PictureEdit
 from maulstick.painting.fit import FITS
 from maulstick.painting.raster import is_turned_by_picture, parse_margin, parse_sheet
 from maulstick.robot.machines import only_lifts
+from maulstick.storage.library import all_placed, placed
 
 MOST_SEED: Final = 2**32 - 1
 """Largest seed that all generators of random numbers take."""
@@ -136,8 +137,8 @@ class PlanOptions:
         for name in FILES:  # so that a plan can go on from any folder
             if getattr(self, name) is not None:
                 object.__setattr__(self, name, Path(getattr(self, name)).absolute())
-        object.__setattr__(self, "style", _absolute(self.style))
-        object.__setattr__(self, "brush", ",".join(_absolute(name.strip()) for name in self.brush.split(",")))
+        object.__setattr__(self, "style", placed(self.style, Path()))
+        object.__setattr__(self, "brush", all_placed(self.brush, Path()))
         from maulstick.colour.palette import parse_colour  # loads scikit-image
 
         if self.strokes != AUTO:
@@ -238,11 +239,6 @@ class PlanOptions:
 def colours_in(said: str) -> tuple[str, ...]:
     """Return the colours of inks, as in ``black,#a04020``, each as it is said."""
     return tuple(colour.strip() for colour in said.split(","))
-
-
-def _absolute(name: str) -> str:
-    """Return the name of a style or a brush, or of its file as an absolute path."""
-    return str(Path(name).absolute()) if Path(name).suffix == ".json" else name
 
 
 def _plain(value: Any) -> Any:

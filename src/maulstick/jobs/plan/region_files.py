@@ -1,53 +1,26 @@
 """Files of regions: a map of the picture in colours, and a TOML file that says what holds in each."""
 
-import tomllib
 from collections.abc import Sequence
 from math import radians
 from pathlib import Path
-from typing import Annotated, Literal
 
 import numpy as np
 import shapely
-from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
 
 from maulstick.colour.palette import parse_colour
-from maulstick.errors import InputError, validation_fault
-from maulstick.jobs.plan.region_names import REST, names_strokes
-from maulstick.painting.brush import Brush, Name, in_painting_order, load_brushes
+from maulstick.errors import InputError
+from maulstick.jobs.plan.region_descriptions import REST, Said, names_strokes, read_said
+from maulstick.painting.brush import Brush, in_painting_order, load_brushes
 from maulstick.painting.fit import place_of
 from maulstick.painting.picture import read_picture
 from maulstick.painting.raster import Canvas, parse_length
 from maulstick.planning.regions import Region, Regions
 from maulstick.planning.soft_edges import softened
 from maulstick.storage.arrays import Floats, Ints
-from maulstick.storage.files import read_whole
 from maulstick.style import Style, load_style
 
-_LARGEST = 2**20  # bytes of the TOML file: thousands of regions
-_MOST = 64  # regions: more than a person tells apart by their colours
 _SAME = 60 / 255  # of sRGB: what is further from the colours of all regions, and from white, is none of them
 _WHITE = (1.0, 1.0, 1.0)
-
-
-class _Said(BaseModel):
-    """What the TOML file says of a region; lengths of time and place as in the options of planning."""
-
-    model_config = ConfigDict(extra="forbid", strict=True)
-
-    colour: str | None = None
-    style: str | None = None
-    hand_size: Annotated[float, Field(ge=0.02, le=50)] | None = None
-    brush: str | None = None
-    share: Annotated[float, Field(gt=0, lt=1)] | None = None
-    importance: Annotated[float, Field(ge=0, le=1000)] = 1.0
-    weights: dict[Literal["tone", "edges"], Annotated[float, Field(ge=0, le=1000)]] = Field(default_factory=dict)
-    colours: Annotated[list[str], Field(min_length=1)] | None = None
-    direction: Annotated[float, Field(allow_inf_nan=False)] | Literal["guides"] | None = None
-    soft: str | None = None
-    bare: bool = False
-
-
-_FILE: TypeAdapter[dict[Name, _Said]] = TypeAdapter(dict[Name, _Said])
 
 
 class RegionFiles:
@@ -55,7 +28,7 @@ class RegionFiles:
 
     def __init__(self, regions: Path, say: Path) -> None:
         self._map, self._say = regions, say
-        self._said = {REST: _Said(), **_read_said(say)}
+        self._said = {REST: Said(), **read_said(say)}
         named: dict[tuple[float, float, float], str] = {}
         for name, said in self._said.items():
             if name == REST:
@@ -121,7 +94,7 @@ class RegionFiles:
             raise InputError(f"{self._say}: the shares of all regions are more than 1; lower some")
         return Regions(self._softened(labels, list(self._said.values()), canvas), regions, canvas)
 
-    def _softened(self, labels: Ints, said: Sequence[_Said], canvas: Canvas) -> Ints:
+    def _softened(self, labels: Ints, said: Sequence[Said], canvas: Canvas) -> Ints:
         """Return labels (H, W) with the edges soft that are said to be, but never towards bare paper."""
         open_to, noise = np.array([not one.bare for one in said]), np.random.default_rng(0).random(labels.shape)
         for number, one in enumerate(said):
@@ -133,7 +106,7 @@ class RegionFiles:
     def _region(
         self,
         name: str,
-        said: _Said,
+        said: Said,
         canvas: Canvas,
         hand: Style,
         hand_size: float,
@@ -168,18 +141,6 @@ class RegionFiles:
             known, numbers = known[1:], numbers[1:]
         away = np.stack([np.abs(colours - colour).max(axis=2) for colour in known])
         return np.where(away.min(axis=0) <= _SAME, numbers[away.argmin(axis=0)], names.index(REST))
-
-
-def _read_said(path: Path) -> dict[str, _Said]:
-    try:
-        said = _FILE.validate_python(tomllib.loads(read_whole(path, "description of regions", _LARGEST).decode()))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(f"{path} is not TOML: {error}; see docs/planning.md for an example") from error
-    except ValidationError as error:
-        raise InputError(f"{path}: {validation_fault(error)}") from error
-    if not 1 <= len(said) <= _MOST:
-        raise InputError.of_range("the number of regions", len(said), f"from 1 to {_MOST}")
-    return said
 
 
 def _of_picture(path: Path, u: Floats, v: Floats) -> Floats:

@@ -1,7 +1,6 @@
 """Cell of a sweep: a folder that says what is asked for, and is finished by whoever comes to it."""
 
 import time
-import tomllib
 import traceback
 from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager, suppress
@@ -11,10 +10,12 @@ from typing import Final
 from pydantic import BaseModel, ConfigDict, JsonValue
 
 from maulstick.errors import InputError, MaulstickError, OutputError, needs_torch
+from maulstick.jobs.plan.options import PlanOptions
+from maulstick.jobs.plan.region_descriptions import Said, read_said
 from maulstick.jobs.plan.request import PlanRequest, state_file, state_files, sum_of
 from maulstick.jobs.sweep.grid import LIBRARIES
 from maulstick.painting.brush import load_brushes
-from maulstick.storage.files import atomic_write, file_sum, file_to_read, held, read_whole
+from maulstick.storage.files import atomic_write, file_sum, file_to_read, held
 from maulstick.storage.folders import as_output_error
 from maulstick.storage.records import read_record, write_record
 from maulstick.style.cards import style_path
@@ -26,7 +27,6 @@ _BRUSH, _STYLE = "the brush", "the style"  # names of their sums
 _RECORD, _FAULT, _SHARE, _LOCK = "cell.json", "fault.txt", ".share", ".lock"
 _RESULTS = ("painting.json", "painting.svg", "preview.png", "palette.png")
 _PATIENCE = 10.0  # seconds: a process whose sweep was killed leaves sooner, between two steps
-_LARGEST = 2**20  # bytes of a file on regions: thousands of them
 _EVERY = 0.5  # seconds between two looks at the file that stops, and between two notes of how far it is
 
 
@@ -110,21 +110,20 @@ def summed(request: PlanRequest, sum_file: Callable[[Path], str] = file_sum) -> 
     options = request.options
     if request.picture is not None:
         file_to_read(request.picture, "picture")
-    said = [] if options.say is None else _said_in(options.say)
-    named = {kind: [getattr(options, kind), *(each[kind] for each in said if kind in each)] for kind in LIBRARIES}
-    styles = ["" if name == "free" else sum_file(style_path(name)) for name in named["style"]]
-    brushes = [brush.model_dump(mode="json") for names in named["brush"] for brush in load_brushes(names)]
-    return request.with_sums({_BRUSH: sum_of(brushes), _STYLE: "+".join(styles)}, sum_file)
+    regions = _said_in(options)
+    styles = [options.style, *(said.style for said in regions if said.style is not None)]
+    brushes = [options.brush, *(said.brush for said in regions if said.brush is not None)]
+    of_styles = ["" if name == "free" else sum_file(style_path(name)) for name in styles]
+    of_brushes = [brush.model_dump(mode="json") for names in brushes for brush in load_brushes(names)]
+    return request.with_sums({_BRUSH: sum_of(of_brushes), _STYLE: "+".join(of_styles)}, sum_file)
 
 
-def _said_in(say: Path) -> list[dict[str, str]]:
-    """Return the names of style and brush that a file says for each region, as far as it can be read."""
+def _said_in(options: PlanOptions) -> list[Said]:
+    """Return what is said of each region, where that can be read; else the cells tell why."""
     try:
-        regions = tomllib.loads(read_whole(say, "description of regions", _LARGEST).decode())
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError):  # its cells tell why
+        return [] if options.say is None else list(read_said(options.say).values())
+    except InputError:
         return []
-    said = [region for region in regions.values() if isinstance(region, dict)]
-    return [{kind: name for kind, name in each.items() if isinstance(name, str)} for each in said]
 
 
 def plan_cell(folder: str, alive: Callable[[], bool] = lambda: True) -> str | None:

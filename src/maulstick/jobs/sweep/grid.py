@@ -16,6 +16,7 @@ from maulstick.errors import InputError, validation_fault
 from maulstick.jobs.plan.options import FILES, PlanOptions
 from maulstick.jobs.plan.request import PlanRequest
 from maulstick.storage.files import read_whole
+from maulstick.storage.library import all_placed
 
 MOST_CELLS: Final = 10_000
 """Cells of one sweep; more are most likely a mistake."""
@@ -140,8 +141,7 @@ def _placed(name: str, value: JsonValue, folder: Path) -> Any:
     if isinstance(value, str) and name in (_PICTURE, *FILES):
         return (folder / value).absolute()
     if isinstance(value, str) and name in LIBRARIES:
-        named = [each.strip() for each in value.split(",")]  # several brushes
-        return ",".join(str((folder / each).absolute()) if Path(each).suffix == ".json" else each for each in named)
+        return all_placed(value, folder)  # of several brushes, too
     return value
 
 

@@ -8,7 +8,7 @@ from typing import Any, Final, final
 from pydantic import ValidationError
 
 from maulstick.errors import InputError, validation_fault
-from maulstick.jobs.plan.region_names import names_strokes
+from maulstick.jobs.plan.region_descriptions import names_strokes
 from maulstick.jobs.plan.request import PlanRequest
 from maulstick.studio.state.acts import Acts
 from maulstick.studio.state.titles import clean_title, numbered

@@ -7,7 +7,7 @@ from typing import Annotated, Final, Literal, Self, TypeVar
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, TypeAdapter
 
 from maulstick.errors import InputError
-from maulstick.jobs.plan.region_names import REST
+from maulstick.jobs.plan.region_descriptions import REST
 from maulstick.painting.brush import Name
 from maulstick.painting.fields import Metres
 
