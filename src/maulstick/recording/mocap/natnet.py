@@ -148,7 +148,8 @@ def _record(
     recorder = _Recorder(descriptions[0], frames[0], pen, canvas)
     heard = time.monotonic()
     while True:
-        if any([recorder.add(frame) for frame in frames]):
+        kept = [recorder.add(frame) for frame in frames]
+        if any(kept):
             heard = time.monotonic()
         frames.clear()
         watch(recorder.seen())
