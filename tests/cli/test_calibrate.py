@@ -199,6 +199,14 @@ def test_a_grey_card_and_bare_paper_alone_do_too(photos: None) -> None:
         (("bare.png", "--chart", "chart.png"), "--chart needs --patches, and the other way round"),
         (("bare.png", "--patches", "1,1 2,1 2,2 1,2"), "--chart needs --patches, and the other way round"),
         (("bare.png", "--chart", "chart.png", "--patches", "1,1"), "--patches is '1,1'; it must be four points"),
+        (
+            ("bare.png", "--grey", "bare.png"),
+            "no grey card is seen where it should lie; lay it over the middle of the sheet",
+        ),
+        (
+            ("bare.png", "--grey", "chart.png"),
+            "no grey card is seen where it should lie; lay it over the middle of the sheet",
+        ),
         (("bare.png", "--paper", "octarine"), "'octarine' is not a colour"),
         (("chart.png",), "photograph it bare and whole"),
         (("none.png",), "there is no picture none.png"),
