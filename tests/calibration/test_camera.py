@@ -1,3 +1,4 @@
+import re
 from pathlib import Path
 
 import numpy as np
@@ -7,9 +8,10 @@ from maulstick.calibration.camera import CameraView, locate, read_view, view_of_
 from maulstick.calibration.tags import found_tags
 from maulstick.errors import InputError
 from maulstick.painting.raster import Canvas
+from maulstick.robot.camera.opencv import opencv
 from maulstick.robot.camera.tag_frame import TagFrame
 from maulstick.robot.simulated.camera import Optics
-from tests.support.calibration.photo_studio import CANVAS, Studio, bare, dots, seen_dots
+from tests.support.calibration.photo_studio import CANVAS, TAGS, Studio, bare, dots, seen_dots
 from tests.support.tolerances import (
     RECTIFIED,
     RECTIFIED_ASKED,
@@ -88,6 +90,20 @@ def test_a_camera_that_was_knocked_sees_the_sheet_where_it_is() -> None:
     misses, after = _misses(studio, middles)
     assert misses.max() < RECTIFIED_SMALL
     assert np.linalg.norm(before.to_photo(middles) - after.to_photo(middles), axis=1).min() > 1
+
+
+def test_a_sheet_that_reaches_out_of_the_photograph_is_refused() -> None:
+    """It hangs by one corner, which is cut off; the other three tags would say where it is."""
+    photo = np.pad(Studio(bare()).camera.photograph(), ((250, 250), (150, 150), (0, 0)))
+    hung = opencv().warpAffine(photo, opencv().getRotationMatrix2D((550, 550), 45, 1.0), (1100, 1100))
+    assert locate(hung, TAGS).tags == (0, 1, 2, 3)
+    with pytest.raises(InputError) as caught:
+        locate(hung[:800], TAGS)
+    assert re.fullmatch(
+        r"the lower left corner of the sheet is at \d+,\d+, outside the photograph of 1100 x 800 pixels; "
+        "let the camera see all of it",
+        str(caught.value),
+    )
 
 
 def test_places_and_pixels_are_each_others_inverse() -> None:

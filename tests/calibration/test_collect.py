@@ -1,5 +1,6 @@
 import math
 from pathlib import Path
+from weakref import ref
 
 import numpy as np
 import pytest
@@ -8,7 +9,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from maulstick.brush_fit.fit import fit_brush
-from maulstick.calibration.collect import collect, spread_apart, trials_of
+from maulstick.calibration.collect import Photographs, collect, spread_apart, trials_of
 from maulstick.calibration.eye import Eye
 from maulstick.errors import InputError, MachineError, OutputError
 from maulstick.jobs.paint.camera_loop import practice, room_of
@@ -113,7 +114,7 @@ class Session:
         self.moment()
         return image
 
-    def collect(self, each: bool) -> dict[int, Image]:
+    def collect(self, each: bool) -> Photographs:
         self.before, self.machine = self.drawn, Recorder(before=self.moment)
         with Journal.open(journal_of(self.path)) as journal, self.machine:
             if journal.revision is None:
@@ -133,6 +134,26 @@ def test_there_is_a_photograph_before_and_after_all_or_each(tmp_path: Path, each
     assert sorted(path.name for path in tmp_path.glob("*.png")) == [f"sheet-{number:04}.png" for number in numbers]
     for number, image in taken.items():
         assert read_picture(tmp_path / f"sheet-{number:04}.png") == pytest.approx(image, abs=PHOTOGRAPH)
+
+
+def test_photographs_wait_on_the_disk_so_that_a_thousand_fit_into_memory(tmp_path: Path) -> None:
+    session = Session(tmp_path)
+    taken: list[ref[Image]] = []
+    look = session.look
+
+    def counted() -> Image:
+        image = look()
+        taken.append(ref(image))
+        return image
+
+    session.look = counted  # type: ignore[method-assign]
+    photographs = session.collect(True)
+    assert [image() for image in taken] == [None] * 7
+    read = [ref(photographs[number]) for number in photographs]
+    assert [image() is None for image in read] == [True] * 5 + [False] * 2
+    assert 7 not in photographs
+    with pytest.raises(KeyError):
+        photographs[7]
 
 
 def test_a_photograph_is_taken_with_the_tip_aside(tmp_path: Path) -> None:

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from skimage.color import deltaE_ciede2000, rgb2lab
 
+from maulstick.calibration.camera import locate
 from maulstick.calibration.chart import CHART, GREY_CARD, with_chart, with_grey_card
 from maulstick.calibration.colour import Colours, Whites, lamp_of, read_colours, whites_of, write_colours
 from maulstick.colour.srgb import colours_of, light_of
@@ -90,6 +91,14 @@ def test_what_is_no_chart_is_refused(studio: Studio, lamp: Colours) -> None:
         with_chart(lamp, *seen, CANVAS, CHART_CORNERS + 0.2)
     with pytest.raises(InputError, match=r"^the chart's corners must be four points"):
         with_chart(lamp, *seen, CANVAS, CHART_CORNERS[:3])
+
+
+def test_a_chart_in_too_much_light_is_refused(studio: Studio, lamp: Colours) -> None:
+    studio.sheet = chart()
+    photo = colours_of(np.float32(2) * light_of(studio.camera.photograph()))
+    view = locate(photo, TAGS)
+    with pytest.raises(InputError, match=r"^most of the sheet is overexposed; lower the camera's exposure or dim"):
+        with_chart(lamp, view.rectify(photo, CANVAS), whites_of(photo, view, TAGS), CANVAS, CHART_CORNERS)
 
 
 def test_a_grey_card_becomes_grey_and_as_dark_as_it_is(studio: Studio, lamp: Colours) -> None:

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 from maulstick.calibration.chart import with_chart
 from maulstick.calibration.colour import lamp_of, whites_of
 from maulstick.calibration.eye import KIND, Eye
+from maulstick.colour.srgb import colours_of, light_of
 from maulstick.errors import InputError, MachineError, OutputError
 from maulstick.painting.raster import Canvas
 from maulstick.robot.camera.camera import CameraError
@@ -193,6 +194,22 @@ def test_an_unplugged_camera_and_a_dark_room_say_what_to_do(studio: Studio, eye:
         eye.look()
     studio.camera.plug_in()
     assert away(eye.look().image) < PICTURE
+
+
+@pytest.mark.parametrize(("gain", "is_seen"), [(1.3, True), (2.0, False), (4.0, False)])
+def test_light_that_has_grown_too_bright_stops_painting(
+    studio: Studio, eye: Eye, monkeypatch: pytest.MonkeyPatch, gain: float, is_seen: bool
+) -> None:
+    take = studio.camera._take
+    monkeypatch.setattr(studio.camera, "_take", lambda: colours_of(np.float32(gain) * light_of(take())))
+    if is_seen:
+        assert away(eye.look().image) < PICTURE
+        return
+    with pytest.raises(MachineError) as caught:
+        eye.look()
+    assert str(caught.value) == (
+        "most of the sheet is overexposed; lower the camera's exposure or dim the lamp, and go on"
+    )
 
 
 def test_it_opens_only_over_a_sheet_with_its_tags_that_is_bare(studio: Studio) -> None:

@@ -133,6 +133,7 @@ def test_four_corners_do_where_there_are_no_tags(photos: None, photographs: dict
         (("chart.png", "--corners", "1,2"), 2, "--corners is '1,2'; it must be four points, as in '10,12 630,9"),
         (("chart.png", "--corners", "0,0 nan,0 1,1 0,1"), 2, "--corners is '0,0 nan,0 1,1 0,1'; it must be four"),
         (("chart.png", "--corners", "0,0 0,9 9,9 9,0"), 2, "the corners must go round the sheet as a clock does"),
+        (("chart.png", "--corners", "9,9 900,9 900,700 9,700"), 2, "the upper right corner of the sheet is at 900,9"),
         (("chart.png", "--colours", "none.json"), 2, "there is no camera's colours none.json"),
         (("chart.png", "--tag", "30"), 2, "a tag is "),
     ],
@@ -199,6 +200,14 @@ def test_a_grey_card_and_bare_paper_alone_do_too(photos: None) -> None:
         (("bare.png", "--chart", "chart.png"), "--chart needs --patches, and the other way round"),
         (("bare.png", "--patches", "1,1 2,1 2,2 1,2"), "--chart needs --patches, and the other way round"),
         (("bare.png", "--chart", "chart.png", "--patches", "1,1"), "--patches is '1,1'; it must be four points"),
+        (
+            ("bare.png", "--grey", "bare.png"),
+            "no grey card is seen where it should lie; lay it over the middle of the sheet",
+        ),
+        (
+            ("bare.png", "--grey", "chart.png"),
+            "no grey card is seen where it should lie; lay it over the middle of the sheet",
+        ),
         (("bare.png", "--paper", "octarine"), "'octarine' is not a colour"),
         (("chart.png",), "photograph it bare and whole"),
         (("none.png",), "there is no picture none.png"),

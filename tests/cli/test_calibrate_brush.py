@@ -212,6 +212,19 @@ def test_other_words_do_not_go_on_with_a_folder(monkeypatch: pytest.MonkeyPatch)
         )
 
 
+@pytest.mark.parametrize("finished", [False, True])
+def test_strokes_of_another_machine_are_not_taken_for_those_of_this_one(
+    monkeypatch: pytest.MonkeyPatch, finished: bool
+) -> None:
+    with monkeypatch.context() as patch:
+        put_webcam(patch, after(99 if finished else 1, unplug))
+        assert calibrate().code == (0 if finished else 3)
+    ran = calibrate("--robot", "grbl:/dev/null", "--camera", "folder:.", "--overwrite")
+    assert ran.code == 2
+    assert ran.mistake == ("the strokes in calibration were drawn by sim, not by grbl:/dev/null; choose another --out")
+    assert calibrate("--robot", "sim:pens", "--overwrite").code == 0, "it is the same machine"
+
+
 def test_a_folder_with_something_else_in_it_is_left_alone(here: Path) -> None:
     (here / "calibration").mkdir()
     (here / "calibration" / "thesis.tex").touch()

@@ -101,6 +101,12 @@ def test_the_order_of_files_is_not_told_as_the_order_of_strokes(here: Path, monk
     assert rows(ran.stdout)["arranged"].endswith("; long strokes first")
 
 
+def test_lengths_of_metres_are_told_in_plain_figures(here: Path) -> None:
+    write_ink(waves(12, 2.0, 0.05), "large.ink.npz")
+    told = rows(run("style", "fit", "large.ink.npz", "--name", "large").stdout)
+    assert told["lengths"] == "median 1940 mm, 1640 to 2410 mm"
+
+
 def test_several_recordings_of_a_hand_make_one_style(here: Path) -> None:
     ran = run("style", "fit", "cat.ink.npz", "dog.strokes.npz", "--name", "both")
     told = rows(ran.stdout)

@@ -16,6 +16,7 @@ from maulstick.errors import InputError, how_to_add
 from maulstick.recording.mocap import natnet
 from maulstick.recording.mocap.natnet import Seen, receive
 from maulstick.recording.mocap.take import Take
+from tests.support.recording import natnet_server
 from tests.support.recording.natnet_server import Server
 
 FRAMES = 40
@@ -82,6 +83,23 @@ def test_frames_that_come_twice_or_late_are_left_out(take: Take) -> None:
     sent.times[20:23] = take.times[19], take.times[5], np.nan
     with Server(sent) as server:
         assert_same(received(server, FRAMES - 3), take, [i for i in range(FRAMES) if i not in {20, 21, 22}])
+
+
+def test_a_server_whose_clock_began_again_ends_the_recording_and_loses_nothing(
+    take: Take, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    sent: list[int] = []
+
+    class Looping(Server):
+        def frame(self, index: int) -> bytes:
+            sent.append(index)
+            return super().frame(index % 5)
+
+    monkeypatch.setattr(natnet, "_PATIENCE", 0.3)
+    monkeypatch.setattr(natnet_server, "_BETWEEN", 0.05)
+    with Looping(take) as server:
+        assert_same(receive(server.address, forever), take, list(range(5)))
+        assert len(sent) < FRAMES, "the server goes on sending what can no longer be kept"
 
 
 def test_markers_that_are_not_streamed_are_where_the_rigid_body_puts_them(take: Take) -> None:

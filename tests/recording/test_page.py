@@ -6,6 +6,9 @@ from numpy.typing import NDArray
 
 from maulstick.errors import InputError
 from maulstick.recording.files.page import Page, on_sheet
+from maulstick.storage.arrays import Floats
+from maulstick.strokes.strokes import Strokes
+from maulstick.style.hand import Hand
 
 LINE = np.array([[10.0, 100.0, 50.0, 0.5], [11.0, 300.0, 150.0, 0.75]])  # 200 by 100 units
 
@@ -65,7 +68,40 @@ def test_times_of_a_clock_that_stands_still_within_every_stroke_are_none() -> No
     still, later = (np.column_stack([np.full(2, t), LINE[:, 1:]]) for t in (0.0, 3.0))
     ink = on_sheet(Page([still, later, later[:1]], 1e-4, None, "test"), None, None, "a test")
     assert np.isnan(ink.samples[:, 0]).all()
-    assert on_sheet(Page([still, LINE], 1e-4, None, "test"), None, None, "").samples[:, 0].tolist() == [0, 0, 10, 11]
+    assert on_sheet(Page([still, LINE], 1e-4, None, "test"), None, None, "").samples[:, 0].tolist() == [0, 0.5, 10, 11]
+
+
+@pytest.mark.parametrize("tick", [0.016, 0.1, 0.5])
+def test_a_coarse_clock_hardly_changes_how_fast_a_hand_is(tick: float) -> None:
+    rng = np.random.default_rng(0)
+
+    def drawn(tick: float) -> Floats:
+        """The speeds of strokes of half a second at 0.1 m/s, seen every 8 ms."""
+        rests, along = np.cumsum(rng.uniform(0.6, 1.0, 20)), np.arange(64) * 8e-3
+        strokes = [np.column_stack([t + along, 0.1 * along, along, np.full(64, np.nan)]) for t in rests]
+        for i, stroke in enumerate(strokes):
+            stroke[:, 0] = np.floor(stroke[:, 0] / tick) * tick
+            stroke[:, 2] = 0.01 * i
+        speeds = Hand.of(Strokes.of(on_sheet(Page(strokes, 1.0, None, "test"), None, None, ""))).speeds
+        assert np.isfinite(speeds).all()
+        return speeds
+
+    assert np.exp(np.log(drawn(tick)).mean()) == pytest.approx(0.1, rel=0.2)
+    assert drawn(tick).max() < 0.5
+
+
+def test_samples_of_one_time_are_spread_up_to_the_next_and_falling_times_are_refused() -> None:
+    def times(*strokes: list[float]) -> list[float]:
+        made = [np.column_stack([t, np.arange(len(t)), np.arange(len(t)), np.full(len(t), np.nan)]) for t in strokes]
+        spread: list[float] = on_sheet(Page(made, 1e-3, None, "test"), None, None, "").samples[:, 0].tolist()
+        return spread
+
+    assert times([0, 0, 2, 2, 4]) == [0, 1, 2, 3, 4]
+    assert times([1, 2, 3, 3, 3]) == pytest.approx([0, 0.5, 1.5, 2, 2.5])
+    assert times([0, 1, 2], [5, 5]) == pytest.approx([0, 1, 2, 5, 5 + 2 / 3])
+    assert times([0, 1, 2, 3, 4, 5, 5]) == [0, 1, 2, 3, 4, 5, 5], "a fine clock may tell a time twice"
+    with pytest.raises(InputError, match="the times of a stroke run backwards"):
+        times([0, 0, 2, 1])
 
 
 @given(st.floats(-1e6, 1e6), st.floats(1e-3, 1e3))

@@ -135,6 +135,33 @@ def test_a_tray_without_a_paint_is_refused() -> None:
     )
 
 
+def test_a_well_on_the_sheet_is_refused() -> None:
+    """The tip would be lowered through the painting."""
+    on_it = TRAY.model_copy(update={"water": Well(x=0.03, y=0.02, height=-0.004, radius=2e-3)})
+    assert refused(SIX, tray=on_it) == (
+        "the water of the tray is on the sheet of 60 x 40 mm, at x 30 and y 20 mm; move it beside the sheet"
+    )
+    on_its_rim = {**TRAY.paints, "#1a33b2": Well(x=0.03, y=-0.002, height=0.0)}
+    assert "the well of #1a33b2 of the tray is on" in refused(SIX, tray=TRAY.model_copy(update={"paints": on_its_rim}))
+
+
+def test_wells_that_overlap_are_refused() -> None:
+    same = {**TRAY.paints, "#1a33b2": TRAY.paints["#cc1a1a"]}
+    assert refused(SIX, tray=TRAY.model_copy(update={"paints": same})) == (
+        "the well of #cc1a1a and the well of #1a33b2 of the tray are 0 mm apart, and the tip turns within 3 and 3 mm; "
+        "move one, or make its radius smaller"
+    )
+    near = TRAY.model_copy(update={"cloth": Well(x=0.12, y=0.004, height=0)})
+    assert "the water and the cloth of the tray are 4 mm apart" in refused(SIX, tray=near)
+
+
+def test_wells_that_are_not_visited_may_be_anywhere() -> None:
+    nowhere = Well(x=0.03, y=0.02, height=0)
+    one_paint = painting_of([line(1)])
+    tray = TRAY.model_copy(update={"water": nowhere, "cloth": nowhere})
+    assert any(isinstance(action, TrayVisit) for action in routine(one_paint, EASEL, LIMITS, tray))
+
+
 # Depth is in metres: the brush's own where it was fitted with some, or the easel's.
 
 

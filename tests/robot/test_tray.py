@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from maulstick.errors import InputError
-from maulstick.robot.tray import Well, read_tray
+from maulstick.robot.tray import Tray, Well, read_tray
 from tests.support.robot.small_paintings import SIX
 from tests.support.robot.trays import TRAY, TRAY_JSON
 
@@ -57,6 +57,12 @@ def test_wells_are_found_by_the_colour_or_the_name_of_a_paint() -> None:
     named = SIX.paints[0].model_copy(update={"name": "madder"})
     tray = TRAY.model_copy(update={"paints": {"madder": TRAY.water, "#1a33b2": TRAY.cloth}})
     assert tray.wells_of(SIX.model_copy(update={"paints": (named, SIX.paints[1])})) == [TRAY.water, TRAY.cloth]
+
+
+def test_a_colour_may_be_written_in_capitals() -> None:
+    wells = TRAY_JSON["paints"]
+    tray = Tray.model_validate({**TRAY_JSON, "paints": {name.upper(): well for name, well in wells.items()}})
+    assert tray == TRAY
 
 
 def test_a_paint_without_a_well_is_refused_with_those_that_there_are() -> None:

@@ -179,6 +179,8 @@ def test_a_summary_says_what_there_is() -> None:
         Ink.of([a_stroke()], SHEET).summary() == f"1 stroke, 0.002 m {sheet}, times not recorded, pressure not recorded"
     )
     assert Ink.of([long], SHEET).summary() == f"1 stroke, 0.15 m {sheet}, 1 min 30 s, pressure recorded"
+    nearly = Ink.of([a_stroke(101, t=np.linspace(0, 119.7, 101))], SHEET).summary()
+    assert ", 2 min 0 s, " in nearly
     both = Ink.of([long, a_stroke(t=5)], SHEET).summary()
     assert both == f"2 strokes, 0.152 m {sheet}, 1 min 30 s, pressure recorded in 1 of them"
     assert Ink.of([a_stroke(2, x=[0, 1234])], SHEET).summary().startswith("1 stroke, 1234 m drawn on")

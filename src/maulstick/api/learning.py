@@ -22,9 +22,9 @@ from maulstick.style.cards import STYLES
 def read_ink(path: str | Path, *, size: str | None = None, longest: str | None = None) -> Ink:
     """Read ink: an .ink.npz, InkML, SVG, Wacom's UIM and WILL, or the JSON of pointer events.
 
-    size: the sheet that the page fills, as in ``A4``.  longest: the longer side of the drawing, as in ``150mm``, where
-    the file gives no scale.
-    Raises InputError where the file is none of these, or both are given.
+    size: the sheet that the page fills, as in ``A4``.  longest: the longer side of the drawing, as in ``150mm``.
+    Raises InputError where the file is none of these, or both are given. Warns where neither is, and the file does not
+    say how large it was drawn.
 
         >>> read_ink(drawing).summary()
         '26 strokes, 1.01 m drawn on 100 x 100 mm, times not recorded, pressure not recorded'
@@ -36,7 +36,8 @@ def read_ink(path: str | Path, *, size: str | None = None, longest: str | None =
     from maulstick.recording.files.ink_files import read_ink_file  # loads parsers
 
     sheet = None if size is None else parse_size(size)
-    return read_ink_file(path, sheet, None if longest is None else parse_length(longest))[0]
+    longer = None if longest is None else parse_length(longest)
+    return read_ink_file(path, sheet, longer, lambda note: warnings.warn(note, stacklevel=5))[0]
 
 
 @checked

@@ -29,6 +29,7 @@ _LOOSE = 0.08  # sides of a tag that a corner may miss its place by; more means 
 _GRID = 15  # places across the sheet at which the standard error is computed
 _FINEST = 8  # samples across a pixel of the canvas at most, which bounds the memory
 _NEWTON = 8  # steps, enough from a distortion of a few per cent to rounding
+_RIM_PX = 1.0  # pixels by which a corner may lie outside: clicks on the rim, and rounding
 _NAMES = ("upper left", "upper right", "lower right", "lower left")
 _Side = Annotated[int, Field(gt=0)]
 _Row = tuple[float, float, float]
@@ -102,7 +103,7 @@ class CameraView(BaseModel):
 
     def _samples(self, canvas: Canvas) -> int:
         """Return the number of samples across a pixel of the canvas that leaves out no pixel of the photograph."""
-        corners = np.array([[0, 0], [canvas.width, 0], [canvas.width, canvas.height], [0, canvas.height]])
+        corners = _outline(canvas.width, canvas.height)
         step = 1 / canvas.pixels_per_metre
         steps = [self.to_photo(corners + np.array(d) * step) - self.to_photo(corners) for d in ((1, 0), (0, 1))]
         return min(max(ceil(float(np.linalg.norm(steps, axis=-1).max())), 1), _FINEST)
@@ -119,7 +120,8 @@ def locate(photo: Image, frame: TagFrame) -> CameraView:
     """Find the view in a photograph (H, W, 3), sRGB in [0, 1], of a sheet with its tags.
 
     Three tags are enough (`CameraView.hidden` says which one is missing).
-    Raises InputError where fewer are seen, and where they do not lie as the frame says.
+    Raises InputError where fewer are seen, where they do not lie as the frame says, and where a corner of the sheet is
+    outside the photograph.
     """
     found = found_tags(photo)
     if len(found) < _FEWEST:
@@ -138,6 +140,7 @@ def locate(photo: Image, frame: TagFrame) -> CameraView:
             f"a tag is {far:.0f} mm off its place beside {wanted}; put the cards right or mend those sizes"
         )
     view = _view(size, numbers)
+    _check_seen(view.to_photo(_outline(frame.width, frame.height)), size, "let the camera see all of it")
     error = _standard_error(view, numbers, covariance, frame)
     return view.model_copy(update={"tags": tuple(found), "error": error})
 
@@ -155,9 +158,8 @@ def view_of_corners(corners: Floats, sheet: tuple[float, float], size: tuple[int
     onwards = np.roll(sides, -1, axis=0)
     if not (sides[:, 0] * onwards[:, 1] - sides[:, 1] * onwards[:, 0] > 1).all():
         raise InputError(f"the corners must go round the sheet as a clock does: {', '.join(_NAMES)}; give them so")
-    width, height = sheet
-    places = np.array([[0, 0], [width, 0], [width, height], [0, height]], dtype=np.float64)
-    homography, _ = opencv().findHomography(places, (corners - _middle(size)) / _scale(size))
+    _check_seen(corners, size, "give its corners in pixels of this photograph")
+    homography, _ = opencv().findHomography(_outline(*sheet), (corners - _middle(size)) / _scale(size))
     return _view(size, np.append(homography.ravel(), np.zeros(4)))
 
 
@@ -210,6 +212,23 @@ def _standard_error(view: CameraView, numbers: Floats, covariance: Floats, frame
     slope = np.stack(slopes, axis=-1)
     squared = np.einsum("nci,ij,ncj->n", slope, covariance, slope)
     return float(np.sqrt(squared.mean())), float(np.sqrt(squared.max()))
+
+
+def _outline(width: float, height: float) -> Floats:
+    """Return the corners (4, 2) of a sheet on itself, metres, as in _NAMES."""
+    return np.array([[0, 0], [width, 0], [width, height], [0, height]], dtype=np.float64)
+
+
+def _check_seen(corners: Floats, size: tuple[int, int], remedy: str) -> None:
+    """Raise InputError where one of a sheet's corners (4, 2), pixels, lies outside a photograph of that size."""
+    outside = ((corners < -_RIM_PX) | (corners > np.array(size) - 1 + _RIM_PX)).any(axis=1)
+    if outside.any():
+        first = int(outside.argmax())
+        x, y = corners[first]
+        raise InputError(
+            f"the {_NAMES[first]} corner of the sheet is at {x:.0f},{y:.0f}, outside the photograph of "
+            f"{size[0]} x {size[1]} pixels; {remedy}"
+        )
 
 
 def _with_last(free: Floats) -> Floats:

@@ -26,6 +26,8 @@ _INNER = 0.4  # side of the part of a patch that is read, in distances between p
 _MISREAD = 12.0  # mean CIEDE2000 after correction above which these are not the chart's patches
 _FEWEST = 4  # pixels in the part of a patch that is read
 _DARKEST = 1e-3  # least light, so that no division is by zero
+_UNEVEN = 1.5  # times that the bright tenth of a grey card may be as light as its dark tenth: gloss, never an edge
+_BARE = 0.05  # share of its light by which bare paper differs from itself: exposure is corrected to 1 %
 
 
 @dataclass(frozen=True)
@@ -73,13 +75,20 @@ def with_grey_card(
 
     flat: flat photograph of the canvas (H, W, 3) with the card on it.  whites: of the same photograph.
     area: x, y, width and height of a part of the card, metres.  grey: its sRGB in [0, 1].
-    Raises InputError where the area is not on the sheet.
+    Raises InputError where the area is not on the sheet, and where what lies there is uneven, or the bare sheet.
     """
     x, y, width, height = area
     left, top, right, bottom = (round(edge * canvas.pixels_per_metre) for edge in (x, y, x + width, y + height))
     if not (0 <= left < right <= flat.shape[1] and 0 <= top < bottom <= flat.shape[0]):
         raise InputError("the grey card must lie on the sheet; give x, y, width and height of a part of it")
-    light = np.median(colours.evened(flat, whites)[top:bottom, left:right].reshape(-1, 3), axis=0)
+    card = colours.evened(flat, whites)[top:bottom, left:right].reshape(-1, 3)
+    light = np.median(card, axis=0)
+    dark, bright = np.quantile(card.mean(axis=1), (0.1, 0.9))
+    paper = light_of(np.array(colours.paper))
+    if bright > _UNEVEN * max(dark, _DARKEST) or np.allclose(light, paper, rtol=_BARE, atol=0):
+        raise InputError(
+            "no grey card is seen where it should lie; lay it over the middle of the sheet, and photograph it again"
+        )
     wanted = light_of(np.full(3, grey, dtype=np.float32))
     return colours.with_matrix(np.diag(wanted.astype(np.float64) / np.maximum(light, _DARKEST)))
 

@@ -1,7 +1,9 @@
 """Collection of trials for a brush (paper: Traj2Stroke Model): strokes drawn apart, and photographs cut out."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from functools import lru_cache
 from pathlib import Path
+from typing import final
 
 import numpy as np
 
@@ -18,6 +20,7 @@ from maulstick.storage.arrays import Floats, Image
 from maulstick.storage.files import atomic_write
 
 _SHEET, _DIGITS = "sheet-", 4  # names of the photographs: sheet-0012.png
+_IN_MEMORY = 2  # photographs, before and after a stroke: those of 1000 strokes on A4 would be 19 GB
 _SMALLEST = 0.25  # least scale of strokes; smaller ones would say little about the brush
 _SIZES = np.geomspace(1.0, _SMALLEST, 12)  # scales that are tried, until all strokes fit
 
@@ -56,16 +59,46 @@ def _in_rows(sizes: Floats, sheet: tuple[float, float]) -> Floats:
     return corners
 
 
+@final
+class Photographs(Mapping[int, Image]):
+    """Photographs of a flat sheet, (h, w, 3), by the number of strokes on it: PNGs in a folder, read when used."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self._read = lru_cache(_IN_MEMORY)(read_picture)
+
+    def keep(self, number: int, photograph: Image) -> None:
+        """Write the photograph of the sheet with so many strokes. Raises OutputError where that fails."""
+        atomic_write(self._path(number), encode_png(photograph))
+
+    def __getitem__(self, number: int) -> Image:
+        if number not in self:
+            raise KeyError(number)
+        return self._read(self._path(number))
+
+    def __contains__(self, number: object) -> bool:
+        return isinstance(number, int) and self._path(number).exists()
+
+    def __iter__(self) -> Iterator[int]:
+        names = self._folder.glob(f"{_SHEET}{'[0-9]' * _DIGITS}.png")
+        return iter(sorted(int(path.stem.removeprefix(_SHEET)) for path in names))
+
+    def __len__(self) -> int:
+        return sum(1 for _ in self)
+
+    def _path(self, number: int) -> Path:
+        return self._folder / f"{_SHEET}{number:0{_DIGITS}}.png"
+
+
 def collect(
     painting: Painting, workplace: Workplace, look: Callable[[], Image], folder: Path, *, each: bool
-) -> dict[int, Image]:
+) -> Photographs:
     """Draw the strokes of a painting that are left; returns photographs by the number of strokes on the sheet.
 
     look: takes a photograph of the flat sheet, (h, w, 3).  each: take one after each stroke, not only before the first
     and after the last. Photographs are kept in the folder, and none is taken twice. Raises as `execute` and `look` do.
     """
-    kept = folder.glob(f"{_SHEET}{'[0-9]' * _DIGITS}.png")
-    photographs = {int(path.stem.removeprefix(_SHEET)): read_picture(path) for path in kept}
+    photographs = Photographs(folder)
     home = home_of(workplace.robot, workplace.journal)
     check_accepted(ways_of(workplace.left_of(painting)), workplace.easel, workplace.robot)
     while True:
@@ -73,8 +106,7 @@ def collect(
         number = len(workplace.journal.painted)
         if number not in photographs and (each or number in (0, len(painting.strokes))):
             workplace.step_aside(home)
-            photographs[number] = look()
-            atomic_write(folder / f"{_SHEET}{number:0{_DIGITS}}.png", encode_png(photographs[number]))
+            photographs.keep(number, look())
         if not actions:
             return photographs
         workplace.do(actions, enough=lambda painted: each)

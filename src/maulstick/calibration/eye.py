@@ -85,7 +85,8 @@ class Eye:
     def look(self) -> Observation:
         """Take a photograph, and return what it shows.
 
-        Raises MachineError where the camera fails, tags are hidden, or the sheet has gone too far.
+        Raises MachineError where the camera fails, tags are hidden, the light has grown too bright, or the sheet has
+        gone too far.
         """
         photo = self.camera.photograph()
         try:
@@ -107,8 +108,12 @@ class Eye:
             shift = None
         if shift is not None:
             wide = _moved(view, shift, self.canvas).rectify(photo, self.canvas, MARGIN)
-        self._before, flat = wide, _sheet(wide, self.canvas)
-        return Observation(self._colours.correct(flat, whites_of(photo, view, self.tags)), shift, tuple(notes))
+        try:
+            image = self._colours.correct(_sheet(wide, self.canvas), whites_of(photo, view, self.tags))
+        except InputError as error:
+            raise MachineError(f"{error}, and go on") from error
+        self._before = wide
+        return Observation(image, shift, tuple(notes))
 
     def write(self, path: Path) -> None:
         """Write the first photograph and the colours, for `opened_again`. Raises OutputError where that fails."""

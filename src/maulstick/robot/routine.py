@@ -148,6 +148,10 @@ def routine(
             load = PaintLoad(stroke.paint)
         load = load.after(stroke.paint, draw.motion.length)
         actions.append(draw)
+    if tray is not None:
+        visits = [action for action in actions if isinstance(action, TrayVisit)]
+        dipped = {visit.paint for visit in visits if visit.what == "dip"}
+        tray.check_places(painting, dipped, rinsed=any(visit.what != "dip" for visit in visits))
     check_room(ways_of(actions), easel, limits)
     return actions
 

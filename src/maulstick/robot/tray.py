@@ -1,10 +1,13 @@
 """The tray and its file: wells of paint, water and a cloth beside the sheet, and how far a dip of paint reaches."""
 
+from collections.abc import Collection
+from itertools import combinations
+from math import dist
 from pathlib import Path
 from typing import Annotated, Literal, Self
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
 from maulstick.errors import InputError
 from maulstick.painting.brush import Name
@@ -41,6 +44,15 @@ class Well(_Part):
         places = np.concatenate([[[self.x, self.y]], ring, [[self.x, self.y]]])
         return np.concatenate([places, np.full((len(places), 1), self.height)], axis=1)
 
+    def is_on(self, width: float, height: float) -> bool:
+        """Whether the tip turns over a sheet of that size, metres."""
+        nearest = min(max(self.x, 0.0), width), min(max(self.y, 0.0), height)
+        return dist((self.x, self.y), nearest) < self.radius
+
+    def overlaps(self, other: "Well") -> bool:
+        """Whether the tip turns where it turns in another well."""
+        return dist((self.x, self.y), (other.x, other.y)) < self.radius + other.radius
+
 
 class Tray(_Part):
     """Tray beside the sheet.
@@ -57,6 +69,12 @@ class Tray(_Part):
     paints: dict[Name, Well]
     water: Well
     cloth: Well
+
+    @field_validator("paints")
+    @classmethod
+    def _named_as_paints_are(cls, paints: dict[Name, Well]) -> dict[Name, Well]:
+        """Return the wells with colours as `Paint.hex` writes them, ``#ffcc00`` for ``#FFCC00``."""
+        return {name.lower() if name.startswith("#") else name: well for name, well in paints.items()}
 
     @model_validator(mode="after")
     def _passes_over(self) -> Self:
@@ -75,6 +93,29 @@ class Tray(_Part):
             there = ", ".join(sorted(self.paints)) or "none"
             raise InputError(f"the tray has no well for the paint {missing[0]}; there are: {there}; add it to its file")
         return [well for well in found if well is not None]
+
+    def check_places(self, painting: Painting, dipped: Collection[int], rinsed: bool) -> None:
+        """Raise InputError where a well that a painting needs is on its sheet, or overlaps another.
+
+        dipped: paints that are taken up.  rinsed: whether water and cloth are needed.
+        """
+        wells, sheet = self.wells_of(painting), painting.sheet
+        needed = {f"the well of {painting.paints[paint].hex}": wells[paint] for paint in sorted(dipped)}
+        if rinsed:
+            needed |= {"the water": self.water, "the cloth": self.cloth}
+        for name, well in needed.items():
+            if well.is_on(sheet.width, sheet.height):
+                raise InputError(
+                    f"{name} of the tray is on the sheet of {1e3 * sheet.width:g} x {1e3 * sheet.height:g} mm, at x "
+                    f"{1e3 * well.x:.3g} and y {1e3 * well.y:.3g} mm; move it beside the sheet"
+                )
+        for (name, well), (other, there) in combinations(needed.items(), 2):
+            if well.overlaps(there):
+                raise InputError(
+                    f"{name} and {other} of the tray are {1e3 * dist((well.x, well.y), (there.x, there.y)):.3g} mm "
+                    f"apart, and the tip turns within {1e3 * well.radius:g} and {1e3 * there.radius:g} mm; move one, "
+                    "or make its radius smaller"
+                )
 
 
 def read_tray(path: str | Path) -> Tray:

@@ -93,7 +93,10 @@ class Ink:
 
 
 def _duration(seconds: float) -> str:
-    return f"{seconds:.3g} s" if seconds < 60 else f"{seconds // 60:.0f} min {seconds % 60:.0f} s"
+    if seconds < 60:
+        return f"{seconds:.3g} s"
+    minutes, left = divmod(round(seconds), 60)
+    return f"{minutes} min {left} s"
 
 
 def write_ink(ink: Ink, path: str | Path) -> None:

@@ -19,7 +19,7 @@ from maulstick.painting.painting import Painting, Sheet
 from maulstick.painting.painting_file import read_painting, write_painting
 from maulstick.painting.raster import Canvas, flat_canvas, parse_size
 from maulstick.robot.easel import read_easel
-from maulstick.robot.journal import Journal, journal_of
+from maulstick.robot.journal import Journal, journal_of, was_begun
 from maulstick.robot.machines import SPECS, machine
 from maulstick.robot.workplace import Workplace, home_of
 from maulstick.storage.folders import all_or_nothing
@@ -104,6 +104,7 @@ def brush(
         raise InputError("a camera over the sheet is needed; name it with --camera usb:0, or folder:PATH")
     place = read_easel(easel) if easel is not None else None
     sheet = _sheet(out, parse_size(size), load_brush(like), style, strokes, place)
+    _check_machine(out, options.machine)
     _collect(sheet, out, options, place, each=photographs == "each")
     fit_trials(out / "trials", name, None, overwrite)
 
@@ -134,6 +135,16 @@ def _sheet(
         raise OutputError(f"cannot make the folder {out}: {error.strerror}; choose another --out") from error
     write_painting(sheet, path)
     return sheet
+
+
+def _check_machine(out: Path, robot: str) -> None:
+    """Raise InputError where another kind of machine drew in the folder: one brush is not learned from two."""
+    journal = journal_of(out / "practice.json")
+    if not was_begun(journal):
+        return
+    before = str(Journal.read(journal).options.get("robot", robot))
+    if before.partition(":")[0] != robot.partition(":")[0]:
+        raise InputError(f"the strokes in {out} were drawn by {before}, not by {robot}; choose another --out")
 
 
 def _collect(sheet: Painting, out: Path, options: PaintOptions, place: "Easel | None", *, each: bool) -> None:
@@ -170,6 +181,7 @@ def _collect(sheet: Painting, out: Path, options: PaintOptions, place: "Easel | 
         if not begun:
             journal.revise(path)
             journal.write_home(home_of(robot))
+        journal.write_options({"robot": options.machine})
         if (stroke := journal.unfinished) is not None:
             question = f"stroke {len(journal.painted) + 1} was under the brush. Is it on the paper?"
             (journal.end if confirm(console, question, "run it in a terminal") else journal.again)(stroke)

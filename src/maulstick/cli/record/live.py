@@ -101,7 +101,7 @@ def _record(
             server, recording.going, local=local, pen=pen, canvas=sheet, multicast=multicast, watch=recording.show
         )
     if recording.going():
-        console.print(f"note: {server} fell silent, so the recording ends there", soft_wrap=True)
+        console.print(f"note: no later frame came from {server}, so the recording ends there", soft_wrap=True)
     return take
 
 

@@ -105,7 +105,9 @@ def _left_out(dots: int) -> str:
 
 
 def _lengths(lengths: "Floats") -> str:
-    return f"median {1e3 * np.median(lengths):.3g} mm, {1e3 * lengths.min():.3g} to {1e3 * lengths.max():.3g} mm"
+    # With .3g alone a metre and more would be told as 1e+03 mm.
+    middle, least, most = (float(f"{1e3 * f(lengths):.3g}") for f in (np.median, np.min, np.max))
+    return f"median {middle:g} mm, {least:g} to {most:g} mm"
 
 
 def _recorded(values: "Floats") -> str:

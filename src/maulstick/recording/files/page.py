@@ -13,6 +13,7 @@ LONGEST = 0.15
 
 _MARGIN = 0.05  # around a drawing without a page, relative to its longer side
 _LEAST_SHEET = 10e-3  # metres: least side of a sheet, also around a straight line
+_COARSE = 0.25  # share of steps from sample to sample that take no time, from which on a clock is too coarse
 MOST_SAMPLES = 5_000_000
 """Most samples of a drawing: bounds memory and time."""
 
@@ -38,7 +39,8 @@ def on_sheet(page: Page, size: tuple[float, float] | None, longest: float | None
     With `size`, (width, height) in metres, the page fills a sheet of that size as far as it can without distortion.
     With `longest` the longer side of the drawing is that many metres. With neither it keeps its size, and where that is
     unknown its longer side is `LONGEST`. Where the file has no page size, the page is the drawing with a margin of a
-    twentieth of its longer side. Times count as not recorded where none passes within any stroke.
+    twentieth of its longer side. Times count as not recorded where none passes within any stroke, and those of a coarse
+    clock are spread over the samples that share them.
 
     Raises InputError where there are no samples, too many, or one without a finite place.
     """
@@ -66,9 +68,33 @@ def on_sheet(page: Page, size: tuple[float, float] | None, longest: float | None
         scale = page.unit or 1.0
     width, height = size or np.maximum(np.round(scale * box, 6), _LEAST_SHEET).tolist()
     samples[:, 1:3] = scale * (places - origin) + (np.array([width, height]) - scale * box) / 2
-    if any(np.ptp(stroke[:, 0]) > 0 for stroke in page.strokes if len(stroke)):
+    strokes = [stroke for stroke in page.strokes if len(stroke)]
+    if any(np.ptp(stroke[:, 0]) > 0 for stroke in strokes):
+        samples[:, 0] = _spread_times([stroke[:, 0] for stroke in strokes])
         samples[:, 0] -= np.nanmin(samples[:, 0])
     else:
         samples[:, 0] = np.nan
-    lengths = np.array([len(stroke) for stroke in page.strokes if len(stroke)], dtype=np.int64)
+    lengths = np.array([len(stroke) for stroke in strokes], dtype=np.int64)
     return Ink(samples, lengths, (width, height), source)
+
+
+def _spread_times(strokes: list[Floats]) -> Floats:
+    """Return the times of all strokes, (P,): those of a coarse clock are spread over the samples that share them.
+
+    Browsers that hide who somebody is tell the time to a tenth of a second; strokes would stand still and then jump.
+    Samples of a stroke's first and last time are as far apart as samples are in the mean, as they may be few.
+    """
+    steps = np.concatenate([np.diff(times) for times in strokes])
+    steps = steps[np.isfinite(steps)]
+    if (steps == 0).sum() < _COARSE * len(steps) or (steps < 0).any():  # times that fall are refused as they are
+        return np.concatenate(strokes)
+    spread = []
+    for times in strokes:
+        ticks = np.flatnonzero(np.append(True, np.diff(times) > 0))
+        if len(ticks) < len(times) and np.isfinite(times).all():
+            ends = np.append(ticks, len(times))
+            at = np.append(times[ticks], times[-1] + steps.mean() * (len(times) - ticks[-1]))
+            at[0] = max(at[0], at[1] - steps.mean() * ends[1])
+            times = np.interp(np.arange(len(times)), ends, at)
+        spread.append(times)
+    return np.concatenate(spread)

@@ -47,7 +47,7 @@ def receive(
     multicast: bool = False,
     watch: Callable[[Seen], None] = lambda _: None,
 ) -> Take:
-    """Record the take that Motive streams, while `going()` is true, or until no frame came for 5 s.
+    """Record the take that Motive streams, while `going()` is true, or until no later frame came for 5 s.
 
     server: address of Motive's machine, followed by a colon and the port where it is not 1510.
     local: this machine's address on the network; by default the one from which `server` is reached.
@@ -148,10 +148,9 @@ def _record(
     recorder = _Recorder(descriptions[0], frames[0], pen, canvas)
     heard = time.monotonic()
     while True:
-        if frames:
+        kept = [recorder.add(frame) for frame in frames]
+        if any(kept):
             heard = time.monotonic()
-        for frame in frames:
-            recorder.add(frame)
         frames.clear()
         watch(recorder.seen())
         if not going() or time.monotonic() - heard > _PATIENCE:
@@ -184,11 +183,11 @@ class _Recorder:
         self._width = 1 + _POSE * len(self._bodies) + 3 * len(self._markers)
         self._numbers = array("d")
 
-    def add(self, frame: Any) -> None:
-        """Keep this frame if it is later than all before it."""
+    def add(self, frame: Any) -> bool:
+        """Keep this frame if it is later than all before it; return whether it is."""
         stamp = frame.suffix.timestamp
         if self._numbers and stamp <= self._numbers[-self._width]:
-            return
+            return False
         poses = {body.id_num: (*body.pos, *body.rot) for body in frame.rigid_bodies if body.tracking_valid}
         places = {marker.id_num: marker.pos for marker in frame.labeled_markers if not marker.occluded}
         self._numbers.append(stamp)
@@ -196,6 +195,7 @@ class _Recorder:
             self._numbers.extend(poses.get(body.id_num, (math.nan,) * _POSE))
         for marker in self._markers:
             self._numbers.extend(places.get(marker, (math.nan,) * 3))
+        return True
 
     def seen(self) -> Seen:
         """Return the progress after at least one frame."""
