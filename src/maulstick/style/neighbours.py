@@ -53,7 +53,7 @@ class Neighbours:
     def weights(self) -> Tensor:
         """Weight (M, M) of each stroke as a neighbour of each other: a row adds up to 1, or less where none is near."""
         apart = torch.cdist(self.centres, self.centres, compute_mode="donot_use_mm_for_euclid_dist")
-        reach = apart.sort(dim=1).values[:, min(_NEIGHBOURS, len(apart) - 1)]
+        reach = apart.topk(min(_NEIGHBOURS, len(apart) - 1) + 1, dim=1, largest=False).values[:, -1]
         reach = reach.clamp(max=_FARTHEST * float(reach.median())) + _SAME
         weights = (-(apart / reach[:, None]).square() / 2).exp().fill_diagonal_(0)
         return weights / weights.sum(1, keepdim=True).clamp(min=1)
