@@ -280,6 +280,16 @@ def test_a_machine_that_only_lifts_is_not_pressed(terminal: int, arm: Recorder) 
     assert read_easel("mine.json").deepest == 0
 
 
+def test_the_folder_of_the_easel_is_made_before_the_corners_are_touched(terminal: int, arm: Recorder) -> None:
+    Path("file").touch()
+    os.write(terminal, "".join([*CORNERS, PRESS]).encode())
+    ran = touch("--out", "file/easel.json")
+    assert ran.code == 1
+    assert "press Enter" not in ran.stderr
+    assert touch("--out", "new/easel.json").code == 0
+    assert read_easel("new/easel.json").deepest == pytest.approx(0.0032)
+
+
 def test_ctrl_c_leaves_no_easel_and_lets_the_machine_go(terminal: int, arm: Recorder) -> None:
     os.write(terminal, (CORNERS[0] + "\x03").encode())
     assert touch().code == 130
