@@ -130,6 +130,8 @@ def test_four_corners_do_where_there_are_no_tags(photos: None, photographs: dict
         (("hidden.png",), 2, "only 2 of the 4 tags are seen (0, 3); uncover and light 1 (upper right), 2 (lower "),
         (("chart.png", "--out", "flat.jpg"), 2, "--out is flat.jpg; an image is written as PNG"),
         (("chart.png", "--out", "bare.png"), 1, "bare.png is already there; choose another --out"),
+        (("chart.png", "--out", "chart.png", "--overwrite"), 2, "--out is chart.png, the photograph itself; choose"),
+        (("chart.png", "--out", "a.png", "--keep", "a.png"), 2, "--out and --keep are both a.png"),
         (("chart.png", "--corners", "1,2"), 2, "--corners is '1,2'; it must be four points, as in '10,12 630,9"),
         (("chart.png", "--corners", "0,0 nan,0 1,1 0,1"), 2, "--corners is '0,0 nan,0 1,1 0,1'; it must be four"),
         (("chart.png", "--corners", "0,0 0,9 9,9 9,0"), 2, "the corners must go round the sheet as a clock does"),
