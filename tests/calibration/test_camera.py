@@ -73,6 +73,15 @@ def test_with_fewer_tags_it_is_said_which_to_uncover() -> None:
         studio.look()
 
 
+def test_tags_that_are_there_twice_are_not_to_be_uncovered() -> None:
+    photo = Studio(bare()).camera.photograph()
+    with pytest.raises(InputError) as caught:
+        locate(np.concatenate([photo, photo], axis=1), TAGS)
+    assert str(caught.value) == (
+        "more than one tag 0 (upper left) is seen; take away all but the four tags at the corners of the sheet"
+    )
+
+
 def test_tags_that_lie_elsewhere_than_they_should_are_refused() -> None:
     photo = Studio(bare()).camera.photograph()
     assert sorted(found_tags(photo)) == [0, 1, 2, 3]

@@ -32,6 +32,18 @@ def test_strokes_painted_meanwhile_do_no_harm() -> None:
     _is(shift_between(before, studio.look(MARGIN)[2], CANVAS), MOVES[3])
 
 
+def test_a_stroke_as_dark_as_the_bed_along_an_edge_is_no_move_of_the_sheet() -> None:
+    """It runs along the left edge, and others end in front of the right one."""
+    studio = Studio(bare())
+    before = studio.look(MARGIN)[2]
+    wood = np.array([0.37, 0.30, 0.25], dtype=np.float32)
+    studio.sheet[:, :14] = wood
+    for row in range(CANVAS.height_px):
+        studio.sheet[row, -20 - row % 80 :] = wood
+    assert sheet_place(before, CANVAS) is not None
+    assert sheet_place(studio.look(MARGIN)[2], CANVAS) is None
+
+
 def test_a_knock_to_the_camera_is_no_move_of_the_sheet() -> None:
     studio = Studio(strokes(1, 10))
     before = studio.look(MARGIN)[2]

@@ -49,8 +49,16 @@ def test_a_page_is_written_at_its_true_size(tmp_path: Path) -> None:
 def test_what_cannot_be_printed_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"^there is no kind of page '.svg'; there are: .pdf, .png$"):
         write_tag_page(tmp_path / "tags.svg", TagFrame(0.297, 0.210))
-    with pytest.raises(InputError, match=r"^the paper to print on is 100 x 100 mm; it must be at least 281 mm wide"):
-        tag_page(TagFrame(0.3, 0.2, side=0.1, gap=0.025), (0.1, 0.1))
+    with pytest.raises(InputError, match=r"^the paper to print on is 3000 x 200 mm; it must be at most 1200 mm a"):
+        tag_page(TagFrame(0.297, 0.210), (3.0, 0.2))
+
+
+def test_paper_that_is_too_small_for_the_cards_is_told_the_size_that_does() -> None:
+    frame = TagFrame(0.3, 0.2, side=0.1, gap=0.025)
+    for paper in ((0.1, 0.1), (0.420, 0.297)):  # wide enough, and not high enough
+        with pytest.raises(InputError, match=r"it must be at least 298 x 322 mm, or the tags smaller$"):
+            tag_page(frame, paper)
+    assert tag_page(frame, (0.298, 0.322)).width == round(0.298 / 25.4e-3 * 600)
 
 
 @pytest.mark.parametrize(

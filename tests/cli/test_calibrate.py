@@ -130,6 +130,8 @@ def test_four_corners_do_where_there_are_no_tags(photos: None, photographs: dict
         (("hidden.png",), 2, "only 2 of the 4 tags are seen (0, 3); uncover and light 1 (upper right), 2 (lower "),
         (("chart.png", "--out", "flat.jpg"), 2, "--out is flat.jpg; an image is written as PNG"),
         (("chart.png", "--out", "bare.png"), 1, "bare.png is already there; choose another --out"),
+        (("chart.png", "--out", "chart.png", "--overwrite"), 2, "--out is chart.png, the photograph itself; choose"),
+        (("chart.png", "--out", "a.png", "--keep", "a.png"), 2, "--out and --keep are both a.png"),
         (("chart.png", "--corners", "1,2"), 2, "--corners is '1,2'; it must be four points, as in '10,12 630,9"),
         (("chart.png", "--corners", "0,0 nan,0 1,1 0,1"), 2, "--corners is '0,0 nan,0 1,1 0,1'; it must be four"),
         (("chart.png", "--corners", "0,0 0,9 9,9 9,0"), 2, "the corners must go round the sheet as a clock does"),
@@ -278,6 +280,16 @@ def test_a_machine_that_only_lifts_is_not_pressed(terminal: int, arm: Recorder) 
     os.write(terminal, "".join(CORNERS).encode())
     assert touch("--out", "mine.json").code == 0
     assert read_easel("mine.json").deepest == 0
+
+
+def test_the_folder_of_the_easel_is_made_before_the_corners_are_touched(terminal: int, arm: Recorder) -> None:
+    Path("file").touch()
+    os.write(terminal, "".join([*CORNERS, PRESS]).encode())
+    ran = touch("--out", "file/easel.json")
+    assert ran.code == 1
+    assert "press Enter" not in ran.stderr
+    assert touch("--out", "new/easel.json").code == 0
+    assert read_easel("new/easel.json").deepest == pytest.approx(0.0032)
 
 
 def test_ctrl_c_leaves_no_easel_and_lets_the_machine_go(terminal: int, arm: Recorder) -> None:

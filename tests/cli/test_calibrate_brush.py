@@ -12,7 +12,7 @@ from maulstick.brush_fit import fit as fitting
 from maulstick.brush_fit.fit import Fit
 from maulstick.brush_fit.trials import Trials
 from maulstick.calibration import collect as collecting
-from maulstick.errors import OutputError
+from maulstick.errors import InputError, OutputError
 from maulstick.jobs.paint.simulation import Simulation
 from maulstick.painting.brush import load_brush
 from maulstick.painting.painting_file import read_painting
@@ -210,6 +210,19 @@ def test_other_words_do_not_go_on_with_a_folder(monkeypatch: pytest.MonkeyPatch)
         assert ran.mistake == (
             "calibration was begun with other options; go on with the same ones, or choose another --out"
         )
+
+
+def test_strokes_that_cannot_be_used_are_not_to_be_fitted_again_for_ever(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(*_: object, **__: object) -> Fit:
+        raise InputError("0 of 5 trials can be used, and 5 are needed: stroke 1 left no mark")
+
+    monkeypatch.setattr(fitting, "fit_brush", refuse)
+    ran = calibrate()
+    assert ran.code == 2
+    assert ran.stderr.splitlines()[-1] == (
+        "maulstick: 0 of 5 trials can be used, and 5 are needed: stroke 1 left no mark; to draw other strokes on a new "
+        "sheet, choose another --out"
+    )
 
 
 @pytest.mark.parametrize("finished", [False, True])

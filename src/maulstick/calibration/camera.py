@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 from scipy.optimize import least_squares
 
-from maulstick.calibration.tags import found_tags
+from maulstick.calibration.tags import found_tags, repeated_tags
 from maulstick.errors import InputError
 from maulstick.painting.raster import Canvas
 from maulstick.robot.camera.opencv import opencv
@@ -125,6 +125,9 @@ def locate(photo: Image, frame: TagFrame) -> CameraView:
     """
     found = found_tags(photo)
     if len(found) < _FEWEST:
+        if repeated := repeated_tags(photo):
+            twice = f"more than one tag {repeated[0]} ({_NAMES[repeated[0]]}) is seen"
+            raise InputError(f"{twice}; take away all but the four tags at the corners of the sheet")
         seen = f"only {len(found)} of the 4 tags {'is' if len(found) == 1 else 'are'} seen ({_listed(found)})"
         places = ", ".join(f"{tag} ({_NAMES[tag]})" for tag in TAGS if tag not in found)
         raise InputError(f"{seen if found else 'none of the 4 tags is seen'}; uncover and light {places}")

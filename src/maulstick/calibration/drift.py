@@ -22,6 +22,7 @@ _LEAST_MARGIN = 3e-3  # metres; in a narrower margin no edge is searched for
 _NEAR = 0.6e-3  # metres from a straight edge within which a station counts as on it
 _TRUE = 0.05e-3  # metres from it that a station usually lies, the scale of the robust fit
 _AGREED = 0.5  # share of the stations that must lie on one straight edge
+_INSIDE = 2e-3  # metres inside its place from which a lone edge may be that of a stroke; a sheet is laid more exactly
 _CLEAR = 0.06  # sRGB: the least step that counts as an edge
 _MARKED = 0.01  # sRGB, standard deviation: with less painted on it, nothing on the sheet can be followed
 _ALIKE = 0.6  # least correlation of what is painted in two photographs
@@ -67,12 +68,17 @@ def shift_between(before: Image, after: Image, canvas: Canvas, margin: float = M
 def sheet_place(wide: Image, canvas: Canvas, margin: float = MARGIN) -> Shift | None:
     """Return how far the sheet lies from its place in a flat photograph (H, W, 3) with a margin, by its edges.
 
-    Three edges are enough; returns None where fewer are seen.
+    Three edges are enough; returns None where fewer are seen, and where the one whose opposite is not seen may be the
+    rim of a broad stroke on the sheet.
     """
     if margin < _LEAST_MARGIN:
         return None
-    edges = [edge for side in range(4) if (edge := _edge(wide, canvas, margin, side)) is not None]
-    if len(edges) < 3:
+    found = [_edge(wide, canvas, margin, side) for side in range(4)]
+    edges = [edge for edge in found if edge is not None]
+    if len(edges) < 3 or any(
+        edge is not None and opposite is None and edge.inside(canvas) > _INSIDE
+        for edge, opposite in zip(found, found[2:] + found[:2], strict=True)
+    ):
         return None
     points = np.concatenate([edge.points for edge in edges])
     normals = np.concatenate([np.broadcast_to(edge.normal, edge.points.shape) for edge in edges])
@@ -96,6 +102,11 @@ class _Edge:
     points: Floats
     normal: Floats
     agreed: float
+
+    def inside(self, canvas: Canvas) -> float:
+        """Return how far it lies inside the edge of a sheet in its place, metres."""
+        half = np.array([canvas.width, canvas.height]) / 2
+        return float(np.abs(self.normal) @ half - ((self.points - half) @ self.normal).mean())
 
 
 def _edge(wide: Image, canvas: Canvas, margin: float, side: int) -> _Edge | None:

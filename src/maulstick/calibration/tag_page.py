@@ -1,6 +1,7 @@
 """A page with the tags, to print at their true size."""
 
 import io
+from math import ceil
 from pathlib import Path
 
 from PIL import Image, ImageDraw, ImageFont
@@ -17,6 +18,7 @@ _CUT = 160  # grey of the lines to cut along
 _PLACES = ("upper left", "upper right", "lower right", "lower left")
 _FORMATS = {".png": "PNG", ".pdf": "PDF"}
 _BETWEEN = 6e-3  # metres between cards
+_LARGEST = 1.2  # metres: the longer side of A0; a page is held in memory dot by dot, and A0 is 560 MB
 
 
 def write_tag_page(path: str | Path, frame: TagFrame, paper: tuple[float, float] = (0.210, 0.297)) -> None:
@@ -36,8 +38,11 @@ def tag_page(frame: TagFrame, paper: tuple[float, float] = (0.210, 0.297)) -> Im
     """Draw the tags on one sheet of paper (width, height), metres, at 600 dots per inch.
 
     They are in their places around the outline of the sheet, where that fits; otherwise on four cards to cut out.
-    Raises InputError where not even those fit.
+    Raises InputError where not even those fit, and for paper larger than A0.
     """
+    came = f"{1e3 * paper[0]:g} x {1e3 * paper[1]:g} mm"
+    if max(paper) > _LARGEST:
+        raise InputError.of_range("the paper to print on", came, f"at most {1e3 * _LARGEST:g} mm a side")
     page = Image.new("L", (_dots(paper[0]), _dots(paper[1])), 255)
     draw = ImageDraw.Draw(page)
     size = 1e3 * frame.side
@@ -50,15 +55,16 @@ def tag_page(frame: TagFrame, paper: tuple[float, float] = (0.210, 0.297)) -> Im
         outline = (*origin, origin[0] + frame.width, origin[1] + frame.height)
         draw.rectangle([_dots(x) for x in outline], outline=_CUT, width=5)
         corners = [tuple(frame.card_corners(tag)[0] + origin) for tag in TAGS]
-    elif _fits((2 * frame.card + _BETWEEN, 2 * frame.card + _BETWEEN + (len(_PLACES) + 2) * _LINE), room):
+    elif _fits(cards := (2 * frame.card + _BETWEEN, 2 * frame.card + _BETWEEN + 6 * _LINE), room):
         text.append("Cut along the grey lines. Put each card where it says and fix it to the table, not to the sheet:")
         text.append("the corner with the dot touches the sheet's corner, and the card's edges go on from the sheet's.")
         top = _WHITE_EDGE + (len(text) + 1) * _LINE
         step = frame.card + _BETWEEN
         corners = [(_WHITE_EDGE + x * step, top + y * step) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))]
     else:
-        allowed = f"at least {1e3 * (2 * frame.card + _BETWEEN):.0f} mm wide, or the tags smaller"
-        raise InputError.of_range("the paper to print on", f"{1e3 * paper[0]:g} x {1e3 * paper[1]:g} mm", allowed)
+        width, height = (ceil(1e3 * (side + 2 * _WHITE_EDGE)) for side in cards)
+        allowed = f"at least {width} x {height} mm, or the tags smaller"
+        raise InputError.of_range("the paper to print on", came, allowed)
     for tag, corner in zip(TAGS, corners, strict=True):
         _draw_card(page, frame, tag, corner)
     font = ImageFont.load_default(_dots(0.7 * _LINE))

@@ -19,14 +19,29 @@ def found_tags(photo: Image) -> dict[int, Floats]:
     """
     cv2 = opencv()
     light = cv2.cvtColor(light_of(photo), cv2.COLOR_RGB2GRAY)
+    seen = _seen(photo)
+    return {tag: _refined(light, places[0] - 0.5) for tag, places in seen.items() if len(places) == 1}
+
+
+def repeated_tags(photo: Image) -> list[int]:
+    """Return which of the tags 0 to 3 are seen more than once in a photograph (H, W, 3), sRGB in [0, 1]."""
+    return [tag for tag, places in _seen(photo).items() if len(places) > 1]
+
+
+def _seen(photo: Image) -> dict[int, list[Floats]]:
+    """Return where each of the tags 0 to 3 is seen, corners (4, 2) from the pixels' upper left edges, roughly."""
+    cv2 = opencv()
     options = cv2.aruco.DetectorParameters()
     options.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_APRILTAG
     family = cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_APRILTAG_36H11)
     grey = cv2.cvtColor(np.round(photo * 255).astype(np.uint8), cv2.COLOR_RGB2GRAY)
     corners, names, _ = cv2.aruco.ArucoDetector(family, options).detectMarkers(grey)
-    seen = [] if names is None else [int(name) for name in np.ravel(names)]
-    at_pixel_edges = {tag: corners[seen.index(tag)][0].astype(np.float64) for tag in TAGS if seen.count(tag) == 1}
-    return {tag: _refined(light, corners - 0.5) for tag, corners in at_pixel_edges.items()}
+    found = [] if names is None else zip(np.ravel(names).tolist(), corners, strict=True)
+    seen: dict[int, list[Floats]] = {tag: [] for tag in TAGS}
+    for name, place in found:
+        if name in seen:
+            seen[name].append(place[0].astype(np.float64))
+    return seen
 
 
 def _refined(light: Image, corners: Floats) -> Floats:

@@ -106,7 +106,10 @@ def brush(
     sheet = _sheet(out, parse_size(size), load_brush(like), style, strokes, place)
     _check_machine(out, options.machine)
     _collect(sheet, out, options, place, each=photographs == "each")
-    fit_trials(out / "trials", name, None, overwrite)
+    try:
+        fit_trials(out / "trials", name, None, overwrite)
+    except InputError as error:  # the same command would fit the same strokes again
+        raise InputError(f"{error}; to draw other strokes on a new sheet, choose another --out") from error
 
 
 def _sheet(

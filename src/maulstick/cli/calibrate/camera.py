@@ -53,6 +53,10 @@ def camera(
     path = out or photo.with_name(f"{photo.stem}-flat.png")
     if path.suffix.lower() != ".png":
         raise InputError(f"--out is {path}; an image is written as PNG, so let its name end in .png")
+    if path.resolve() == photo.resolve():
+        raise InputError(f"--out is {path}, the photograph itself; choose another --out")
+    if keep is not None and path.resolve() == keep.resolve():
+        raise InputError(f"--out and --keep are both {path}; choose another --keep")
     check_absent(path, "--out", overwrite)
     if keep is not None:
         check_absent(keep, "--keep", overwrite)

@@ -17,6 +17,7 @@ from maulstick.jobs.paint.machine_lock import machine_lock
 from maulstick.painting.raster import parse_size
 from maulstick.robot.easel import write_easel
 from maulstick.robot.machines import SPECS, machine
+from maulstick.storage.folders import made_folder
 
 if TYPE_CHECKING:
     from maulstick.robot.easel import Easel
@@ -59,7 +60,8 @@ def touch(
         "lower left": (0.0, height),
     }
     keys = pressed_keys()
-    with machine_lock(robot), unechoed(), hang_up_as_ctrl_c(), machine(robot, None) as arm:
+    folder = made_folder(out.parent)  # before the corners are touched
+    with folder, machine_lock(robot), unechoed(), hang_up_as_ctrl_c(), machine(robot, None) as arm:
         if force and not isinstance(arm, FeelsForce):
             raise InputError(f"{robot} cannot feel the paper; leave out --force, and touch it by eye")
         touched = []
@@ -76,7 +78,7 @@ def touch(
         if arm.limits.varies_pressure:
             easel = _pressed(arm, keys, easel, console)
             _raise(arm)
-    write_easel(easel, out)
+        write_easel(easel, out)
     print(
         f"touched to {1e3 * easel.error:.2f} mm; the paper is tilted by {np.degrees(easel.tilt):.2f} degrees, "
         f"and may be pressed {1e3 * easel.deepest:.1f} mm deep",
