@@ -97,7 +97,7 @@ def test_a_chart_in_too_much_light_is_refused(studio: Studio, lamp: Colours) -> 
     studio.sheet = chart()
     photo = colours_of(np.float32(2) * light_of(studio.camera.photograph()))
     view = locate(photo, TAGS)
-    with pytest.raises(InputError, match=r"^most of the sheet is overexposed; lower the camera's exposure or dim"):
+    with pytest.raises(InputError, match=r"^the photograph is overexposed; lower the camera's exposure or dim"):
         with_chart(lamp, view.rectify(photo, CANVAS), whites_of(photo, view, TAGS), CANVAS, CHART_CORNERS)
 
 

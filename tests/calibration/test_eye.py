@@ -12,6 +12,7 @@ from maulstick.errors import InputError, MachineError, OutputError
 from maulstick.painting.raster import Canvas
 from maulstick.robot.camera.camera import CameraError
 from maulstick.robot.easel import Easel
+from maulstick.robot.simulated.camera import Optics
 from maulstick.storage.arrays import write_arrays
 from tests.support.calibration.photo_studio import (
     CANVAS,
@@ -196,19 +197,24 @@ def test_an_unplugged_camera_and_a_dark_room_say_what_to_do(studio: Studio, eye:
     assert away(eye.look().image) < PICTURE
 
 
+@pytest.mark.parametrize("painted", [PAINTED, bare() * np.float32(0.1)], ids=["some", "all"])
+@pytest.mark.parametrize("lamp", [(-0.6, 0.4, 3.0), (-0.6, 0.4, 8.0), (0.0, 0.0, 20.0)])
 @pytest.mark.parametrize(("gain", "is_seen"), [(1.3, True), (2.0, False), (4.0, False)])
-def test_light_that_has_grown_too_bright_stops_painting(
-    studio: Studio, eye: Eye, monkeypatch: pytest.MonkeyPatch, gain: float, is_seen: bool
+def test_light_that_has_grown_too_bright_stops_painting_however_even_it_is(
+    monkeypatch: pytest.MonkeyPatch, gain: float, is_seen: bool, lamp: tuple[float, float, float], painted: Image
 ) -> None:
+    studio = Studio(bare(), optics=Optics(size=(800, 600), lamp=lamp))
+    eye = opened(studio)
+    studio.sheet = painted
     take = studio.camera._take
     monkeypatch.setattr(studio.camera, "_take", lambda: colours_of(np.float32(gain) * light_of(take())))
     if is_seen:
-        assert away(eye.look().image) < PICTURE
+        assert away(eye.look().image, painted) < PICTURE
         return
     with pytest.raises(MachineError) as caught:
         eye.look()
     assert str(caught.value) == (
-        "most of the sheet is overexposed; lower the camera's exposure or dim the lamp, and go on"
+        "the photograph is overexposed; lower the camera's exposure or dim the lamp, and go on"
     )
 
 

@@ -101,7 +101,7 @@ def test_a_longer_axis_plans_what_it_adds_and_a_changed_option_plans_anew(again:
     grid.write_text(grid.read_text().replace("[0, 2]", "[0]").replace("strokes = 20", "strokes = 19"))
     ran = run("sweep", grid, "--out", out)
     assert ran.code == 0
-    assert "note: eileen.png_round_seed-0 was planned with another strokes before, and is planned anew" in ran.stderr
+    assert "note: eileen.png_round_seed-0 was planned before strokes changed, and is planned anew" in ran.stderr
     assert results_in(out / "eileen.png_round_seed-0") != kept
 
 
@@ -245,6 +245,9 @@ def test_a_file_that_is_no_result_of_a_sweep_is_never_replaced(tmp_path: Path, n
     assert ran.mistake == f"{tmp_path / name} is of no sweep, and would be replaced; choose another --out"
     assert (tmp_path / name).read_text() == "mine"
     assert not (tmp_path / "eileen.png_seed-0").exists()
+    (tmp_path / "eileen.png_seed-0").mkdir()
+    (tmp_path / "eileen.png_seed-0" / "cell.json").write_text("{}")
+    assert run("sweep", grid_in(tmp_path, "seed = [0]"), "--out", tmp_path).code == 0, "a sweep's own, copied"
 
 
 def test_the_grids_of_the_documentation_can_be_planned() -> None:

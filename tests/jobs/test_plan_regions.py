@@ -111,6 +111,17 @@ def test_strokes_stay_in_their_regions(painting: Painting) -> None:
         assert (places < least + SIDE / 2 + 2 * slack).all()
 
 
+@pytest.mark.parametrize("colours", [{"ink": "black"}, {"paints": 2}])
+def test_a_share_of_a_region_of_which_nothing_is_seen_goes_to_the_others(folder: Path, colours: dict[str, Any]) -> None:
+    image = Image.new("RGB", (40, 40), "#ff0000")
+    image.paste("#0000ff", (20, 0, 40, 40))
+    image.save(folder / "halves.png")
+    say = "[face]\ncolour = 'red'\nshare = 0.3\n[sky]\ncolour = 'blue'\nshare = 0.3\n[rest]\nshare = 0.3\n"
+    prepared = prepared_with(folder, say, regions=folder / "halves.png", **colours)
+    painting = prepared.painting(prepared.plan(lambda progress: True, None))
+    assert [len(strokes_in(painting, name)) for name in ("face", "sky")] == [30, 30]
+
+
 def test_a_share_of_the_strokes_is_kept(painting: Painting) -> None:
     assert len(strokes_in(painting, "face")) == pytest.approx(30, abs=2)
 

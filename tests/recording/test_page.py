@@ -71,6 +71,12 @@ def test_times_of_a_clock_that_stands_still_within_every_stroke_are_none() -> No
     assert on_sheet(Page([still, LINE], 1e-4, None, "test"), None, None, "").samples[:, 0].tolist() == [0, 0.5, 10, 11]
 
 
+@pytest.mark.parametrize("times", [[0, np.nan], [np.nan, 2]])
+def test_times_that_are_known_of_some_samples_are_refused_also_of_a_lone_stroke(times: list[float]) -> None:
+    with pytest.raises(InputError, match="the times of a stroke must be"):
+        on_sheet(Page([np.column_stack([times, LINE[:, 1:]])], 1e-4, None, "test"), None, None, "")
+
+
 @pytest.mark.parametrize("tick", [0.016, 0.1, 0.5])
 def test_a_coarse_clock_hardly_changes_how_fast_a_hand_is(tick: float) -> None:
     rng = np.random.default_rng(0)

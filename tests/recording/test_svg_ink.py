@@ -143,6 +143,12 @@ def test_a_rectangle_that_is_the_pages_paper_is_no_stroke(root: str) -> None:
         assert len(svg(covers + line, root).strokes) == 1
     for drawn in (paper.format("90", ""), paper.format("100", 'stroke="black"')):
         assert len(svg(drawn + line, root).strokes) == 2
+    with pytest.raises(InputError, match="there is nothing but the page's paper in it; convert text and objects to"):
+        svg(paper.format("100", ""), root)
+
+
+def test_where_no_page_is_stated_no_rectangle_is_its_paper() -> None:
+    assert len(svg('<rect width="2000" height="2000" fill="white"/>', "").strokes) == 1
 
 
 def test_a_dot_is_a_stroke_of_one_point() -> None:

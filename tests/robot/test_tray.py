@@ -65,6 +65,24 @@ def test_a_colour_may_be_written_in_capitals() -> None:
     assert tray == TRAY
 
 
+def test_a_colour_that_is_named_twice_loses_no_well_without_a_word() -> None:
+    wells = {"#CC1A1A": TRAY_JSON["water"], **TRAY_JSON["paints"]}
+    with pytest.raises(ValueError, match="a colour is named twice, in small letters and in capitals"):
+        Tray.model_validate({**TRAY_JSON, "paints": wells})
+
+
+def test_paints_of_several_brushes_share_the_well_of_their_colour() -> None:
+    shared = SIX.model_copy(update={"paints": (SIX.paints[0], SIX.paints[0])})
+    TRAY.check_places(shared, {0, 1}, rinsed=True)
+    madder = SIX.paints[0].model_copy(update={"name": "madder", "colour": SIX.paints[1].colour})
+    lake = madder.model_copy(update={"name": "lake"})
+    tray = TRAY.model_copy(
+        update={"paints": {"madder": TRAY.paints["#cc1a1a"], "lake": TRAY.paints["#cc1a1a"].model_copy()}}
+    )
+    with pytest.raises(InputError, match="the well of #1a33b2 and the well of #1a33b2 of the tray are 0 mm apart"):
+        tray.check_places(SIX.model_copy(update={"paints": (madder, lake)}), {0, 1}, rinsed=True)
+
+
 def test_a_paint_without_a_well_is_refused_with_those_that_there_are() -> None:
     tray = TRAY.model_copy(update={"paints": {"#cc1a1a": TRAY.water}})
     with pytest.raises(InputError) as caught:

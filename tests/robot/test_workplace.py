@@ -68,6 +68,8 @@ def test_a_machine_without_a_home_waits_where_it_stood_when_its_journal_was_begu
             journal.revise(tmp_path / "painting.json")
             assert home_of(robot, journal) == pytest.approx(robot.place), "of a journal that knows no place"
             journal.write_home(began)
+            assert home_of(robot, journal) == pytest.approx(robot.place), "nothing is drawn yet"
+            journal.begin(10)
         with Journal.open(journal_of(tmp_path / "painting.json")) as journal:
             assert home_of(robot, journal) == pytest.approx(began)
 

@@ -37,7 +37,7 @@ def read_ink(path: str | Path, *, size: str | None = None, longest: str | None =
 
     sheet = None if size is None else parse_size(size)
     longer = None if longest is None else parse_length(longest)
-    return read_ink_file(path, sheet, longer, lambda note: warnings.warn(note, stacklevel=5))[0]
+    return read_ink_file(path, sheet, longer, _warn_of_size)[0]
 
 
 @checked
@@ -99,3 +99,7 @@ def fit_brush(trials: str | Path, name: str = "own", *, keep: bool = False) -> B
     if keep:
         write_brush(found.brush, BRUSHES.own() / f"{name}.json")
     return found.brush
+
+
+def _warn_of_size(note: str) -> None:
+    warnings.warn(f"{note}; say it with size or longest", stacklevel=5)

@@ -29,7 +29,7 @@ _RIM = 0.02  # share of the sheet along its edges that is left out, as the bed m
 _OUTLIER = 4.0  # median deviations beyond which a place does not count for the lamp
 _UNEVEN = 0.04  # standard deviation of the light, as a share, beyond which there is something on the sheet
 _WHITEST, _CLIPPED = 0.995, 0.01  # sRGB from which a pixel is overexposed, and the share that may be
-_DAZZLED = 1.2  # times full light: bare paper at most, in the middle, since a webcam's exposure drifts by some 3 %
+_DAZZLED = 0.25  # share of a sheet with something on it that may be overexposed: a lamp is never quite even
 _DARKEST = 1e-3  # least light, so that no division or logarithm is of zero
 _RING = 16  # samples along each side of a tag's white rim
 _Row = tuple[float, float, float]
@@ -68,7 +68,7 @@ class Colours(BaseModel):
     def evened(self, flat: Image, whites: Whites) -> Image:
         """Return the light (H, W, 3) of such a photograph under an even lamp and one exposure, before the matrix.
 
-        Raises InputError where so much light came that most bare paper would be clipped.
+        Raises InputError where a quarter of the sheet, or half of the tags, are overexposed.
         """
         height, width = flat.shape[:2]
         lamp = _powers(np.linspace(-1, 1, width), np.linspace(-1, 1, height)) @ np.array(self.lamp)
@@ -76,11 +76,11 @@ class Colours(BaseModel):
             np.asarray(whites[tag]) / np.maximum(self.whites[tag], _DARKEST) for tag in whites.keys() & self.whites
         ]
         exposure = np.median(gains, axis=0) if gains else np.ones(3)
-        bare = np.exp(lamp) * exposure
-        if np.median(bare.max(axis=-1)) > _DAZZLED:
-            raise InputError("most of the sheet is overexposed; lower the camera's exposure or dim the lamp")
+        dazzling = [tag for tag, white in whites.items() if (colours_of(white) >= _WHITEST).any()]
+        if (flat >= _WHITEST).any(axis=-1).mean() > _DAZZLED or 2 * len(dazzling) >= max(len(whites), 1):
+            raise InputError("the photograph is overexposed; lower the camera's exposure or dim the lamp")
         paper = light_of(np.array(self.paper, dtype=np.float32))
-        return np.asarray(light_of(flat) * (paper / np.maximum(bare, _DARKEST)), dtype=np.float32)
+        return np.asarray(light_of(flat) * (paper / np.maximum(np.exp(lamp) * exposure, _DARKEST)), dtype=np.float32)
 
 
 def whites_of(photo: Image, view: CameraView, frame: TagFrame) -> dict[int, Floats]:

@@ -66,13 +66,14 @@ class Regions:
     def pools(self) -> list[tuple[Bools, float | None]]:
         """Parts of the sheet that strokes do not leave for another, (R,) regions each, and the shares of all strokes.
 
-        Regions with a share of their own are one each; all others, bare paper apart, are the last.
+        Regions with a share of their own are one each; all others are the last. Bare paper, and regions of which no
+        pixel is seen, are in none.
         """
-        own = [[region is other for other in self.said] for region in self.said if region.share and not region.bare]
-        shares: list[float | None] = [region.share for region in self.said if region.share and not region.bare]
-        rest = [not region.bare and not region.share for region in self.said]
-        if any(rest) and np.isin(self.labels, np.flatnonzero(rest)).any():
-            own, shares = [*own, rest], [*shares, None]
+        drawn = [region for number, region in enumerate(self.said) if (self.labels == number).any() and not region.bare]
+        own = [[region is other for other in self.said] for region in drawn if region.share]
+        shares: list[float | None] = [region.share for region in drawn if region.share]
+        if any(not region.share for region in drawn):
+            own, shares = [*own, [not region.bare and not region.share for region in self.said]], [*shares, None]
         return list(zip(np.array(own, dtype=bool), shares, strict=True))
 
     def counts(self, strokes: int) -> list[int]:

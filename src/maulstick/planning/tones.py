@@ -134,7 +134,7 @@ class InkSupply:
         with_lines: bool,
         regions: Regions | None = None,
     ) -> Self | None:
-        """Return the supply; None without a picture, and where any stroke may grow.
+        """Return the supply; None without a picture, and where all strokes may grow.
 
         regions: of the sheet, whose hands count in place of the style, each by its strokes. Bare paper needs no ink;
         where strokes may grow they give what is needed there, and nothing elsewhere.

@@ -4,12 +4,11 @@ It lies beside its painting. Each line is on the disk before anything else happe
 incomplete is dropped when the journal is opened again: its stroke had not been begun, or counts as unfinished.
 """
 
-import errno
 import hashlib
 import json
 import os
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from itertools import count
 from pathlib import Path
 from typing import Annotated, Final, Literal, Self
@@ -19,7 +18,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, FiniteFloat, 
 
 from maulstick.errors import InputError, OutputError, Remedy
 from maulstick.storage.arrays import Floats
-from maulstick.storage.files import file_sum, file_to_read, held, read_whole, sync_folder
+from maulstick.storage.files import append_whole, file_sum, file_to_read, held, read_whole, sync_folder
 
 SCHEMA_VERSION: Final = 1
 """Version of the journal's lines."""
@@ -139,6 +138,7 @@ class Journal:
     painted: ids of the strokes that are finished.  unfinished: id of the stroke that was begun, not finished.
     options: the options that were last written, {} where none were.
     home: place (3,) of the tip while the sheet is put in or photographed, metres; None where none was written.
+    begun: whether a machine began any stroke.
     revision: the latest revision of the painting.  revisions: number of revisions, that one included.
     """
 
@@ -148,6 +148,7 @@ class Journal:
         self.unfinished: int | None = None
         self.options: dict[str, JsonValue] = {}
         self.home: Floats | None = None
+        self.begun = False
         self.revision: Revision | None = None
         self.revisions = 0
         self._file: int | None = None
@@ -188,9 +189,10 @@ class Journal:
             self._append(OptionsLine(options=options))
 
     def write_home(self, place: Floats) -> None:
-        """Write the place (3,) of the tip while the sheet is put in or photographed, metres in the machine's frame."""
-        x, y, z = place.tolist()
-        self._append(HomeLine(place=(x, y, z)))
+        """Write the place (3,) of the tip while the sheet is put in or photographed, unless it is written already."""
+        if self.home is None or not np.array_equal(self.home, place):
+            x, y, z = place.tolist()
+            self._append(HomeLine(place=(x, y, z)))
 
     def begin(self, stroke: int) -> None:
         """Write that a stroke is about to be painted."""
@@ -255,7 +257,7 @@ class Journal:
             case HomeLine(place=place):
                 self.home = np.array(place)
             case Begin(stroke=stroke):
-                self.unfinished = stroke
+                self.unfinished, self.begun = stroke, True
             case End(stroke=stroke):
                 self.painted.add(stroke)
                 self.unfinished = None
@@ -264,15 +266,9 @@ class Journal:
 
     def _append(self, entry: Line) -> None:
         assert self._file is not None
-        line = json.dumps(entry.model_dump(mode="json")).encode() + b"\n"
-        size = os.fstat(self._file).st_size
         try:
-            if os.write(self._file, line) != len(line):
-                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-            os.fsync(self._file)
+            append_whole(self._file, json.dumps(entry.model_dump(mode="json")).encode() + b"\n")
         except OSError as error:
-            with suppress(OSError):
-                os.ftruncate(self._file, size)
             fault = f"cannot write {self.path}: {error.strerror}; mend that"
             if self.revision is None:  # nothing was begun, so there is nothing to go on with
                 raise OutputError(f"{fault} before painting") from error

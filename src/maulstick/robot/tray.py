@@ -74,7 +74,10 @@ class Tray(_Part):
     @classmethod
     def _named_as_paints_are(cls, paints: dict[Name, Well]) -> dict[Name, Well]:
         """Return the wells with colours as `Paint.hex` writes them, ``#ffcc00`` for ``#FFCC00``."""
-        return {name.lower() if name.startswith("#") else name: well for name, well in paints.items()}
+        named = {name.lower() if name.startswith("#") else name: well for name, well in paints.items()}
+        if len(named) < len(paints):
+            raise ValueError("a colour is named twice, in small letters and in capitals; leave one out")
+        return named
 
     @model_validator(mode="after")
     def _passes_over(self) -> Self:
@@ -100,19 +103,21 @@ class Tray(_Part):
         dipped: paints that are taken up.  rinsed: whether water and cloth are needed.
         """
         wells, sheet = self.wells_of(painting), painting.sheet
-        needed = {f"the well of {painting.paints[paint].hex}": wells[paint] for paint in sorted(dipped)}
+        of_paints = [(painting.paints[paint].hex, wells[paint]) for paint in sorted(dipped)]
+        own = {(colour, id(well)): well for colour, well in of_paints}  # several brushes share the well of a colour
+        needed = [(f"the well of {colour}", well) for (colour, _), well in own.items()]
         if rinsed:
-            needed |= {"the water": self.water, "the cloth": self.cloth}
-        for name, well in needed.items():
+            needed += [("the water", self.water), ("the cloth", self.cloth)]
+        for name, well in needed:
             if well.is_on(sheet.width, sheet.height):
                 raise InputError(
                     f"{name} of the tray is on the sheet of {1e3 * sheet.width:g} x {1e3 * sheet.height:g} mm, at x "
-                    f"{1e3 * well.x:.3g} and y {1e3 * well.y:.3g} mm; move it beside the sheet"
+                    f"{1e3 * well.x:.0f} and y {1e3 * well.y:.0f} mm; move it beside the sheet"
                 )
-        for (name, well), (other, there) in combinations(needed.items(), 2):
+        for (name, well), (other, there) in combinations(needed, 2):
             if well.overlaps(there):
                 raise InputError(
-                    f"{name} and {other} of the tray are {1e3 * dist((well.x, well.y), (there.x, there.y)):.3g} mm "
+                    f"{name} and {other} of the tray are {1e3 * dist((well.x, well.y), (there.x, there.y)):.0f} mm "
                     f"apart, and the tip turns within {1e3 * well.radius:g} and {1e3 * there.radius:g} mm; move one, "
                     "or make its radius smaller"
                 )

@@ -112,11 +112,12 @@ def is_away(robot: Robot) -> bool:
 def home_of(robot: Robot, journal: Journal | None = None) -> Floats:
     """Return the place (3,) of a machine's tip while a sheet is put in or photographed.
 
-    It is the machine's home; for one without, where it stood when the journal was begun, or is where there is none.
+    It is the machine's home; for one without, where it stood when the first stroke was begun, as the journal says, or
+    else where it stands now.
     """
-    if robot.home is None:
-        return robot.place if journal is None or journal.home is None else journal.home
-    return np.array([*robot.home, robot.place[2]]).clip(robot.limits.lower, robot.limits.upper)
+    if robot.home is not None:
+        return np.array([*robot.home, robot.place[2]]).clip(robot.limits.lower, robot.limits.upper)
+    return journal.home if journal is not None and journal.begun and journal.home is not None else robot.place
 
 
 def _seen_from(easel: Easel, well: Well, before: Easel) -> Well:

@@ -102,6 +102,19 @@ def atomic_write(path: str | Path, content: bytes) -> None:
             temporary.unlink()
 
 
+def append_whole(file: int, content: bytes) -> None:
+    """Append to an open file, and wait until that is on the disk. Raises OSError; the file is then as it was before."""
+    size = os.fstat(file).st_size
+    try:
+        if os.write(file, content) != len(content):
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        os.fsync(file)
+    except OSError:
+        with suppress(OSError):
+            os.ftruncate(file, size)
+        raise
+
+
 @contextmanager
 def held(lock: Path, taken: str, cannot: str, remedy: str, patience: float = 0.0) -> Iterator[None]:
     """Hold the file `lock`, so that no other process can hold it; the file and its folder are made where missing.

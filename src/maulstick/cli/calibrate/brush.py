@@ -183,8 +183,6 @@ def _collect(sheet: Painting, out: Path, options: PaintOptions, place: "Easel | 
         begun = journal.revision is not None
         if not begun:
             journal.revise(path)
-            journal.write_home(home_of(robot))
-        journal.write_options({"robot": options.machine})
         if (stroke := journal.unfinished) is not None:
             question = f"stroke {len(journal.painted) + 1} was under the brush. Is it on the paper?"
             (journal.end if confirm(console, question, "run it in a terminal") else journal.again)(stroke)
@@ -196,6 +194,8 @@ def _collect(sheet: Painting, out: Path, options: PaintOptions, place: "Easel | 
         else:
             eye = Eye.opened(seeing, canvas, tags, view=view)
             eye.write(kept)
+        journal.write_home(home_of(robot, journal))
+        journal.write_options({"robot": options.machine})
         operator = TerminalOperator(console, sheet, robot, len(journal.painted), "the same command goes on")
         ask = operator.ask if simulation is None else simulation.ask
         workplace = Workplace(

@@ -89,7 +89,7 @@ def paint_sheet(
             if replanning is not None and eye is not None:
                 replanning.keep(eye, journal)
             journal.revise(request.painting, first, setup.sha256)
-            journal.write_home(home)
+        journal.write_home(home)
         _write_options(journal, setup, request)
         operator.pace.change((sheet.pace - operator.pace.percent) // STEP)
         paint = actions[0].paint

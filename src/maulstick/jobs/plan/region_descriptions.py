@@ -20,7 +20,7 @@ _MOST = 64  # regions: more than a person tells apart by their colours
 _OF_STROKES = re.compile(r"all|\d+(-\d+)?")
 
 
-class Said(BaseModel):
+class RegionDescription(BaseModel):
     """What the file says of a region; lengths of time and place as in the options of planning."""
 
     model_config = ConfigDict(extra="forbid", strict=True)
@@ -38,10 +38,10 @@ class Said(BaseModel):
     bare: bool = False
 
 
-_FILE: TypeAdapter[dict[Name, Said]] = TypeAdapter(dict[Name, Said])
+_FILE: TypeAdapter[dict[Name, RegionDescription]] = TypeAdapter(dict[Name, RegionDescription])
 
 
-def read_said(path: Path) -> dict[str, Said]:
+def read_descriptions(path: Path) -> dict[str, RegionDescription]:
     """Read what a file says of each region, by its name. Files of styles and brushes lie relative to this one.
 
     Raises InputError where it is not TOML, or says anything else.

@@ -9,7 +9,7 @@ import shapely
 
 from maulstick.colour.palette import parse_colour
 from maulstick.errors import InputError
-from maulstick.jobs.plan.region_descriptions import REST, Said, names_strokes, read_said
+from maulstick.jobs.plan.region_descriptions import REST, RegionDescription, names_strokes, read_descriptions
 from maulstick.painting.brush import Brush, in_painting_order, load_brushes
 from maulstick.painting.fit import place_of
 from maulstick.painting.picture import read_picture
@@ -28,7 +28,7 @@ class RegionFiles:
 
     def __init__(self, regions: Path, say: Path) -> None:
         self._map, self._say = regions, say
-        self._said = {REST: Said(), **read_said(say)}
+        self._said = {REST: RegionDescription(), **read_descriptions(say)}
         named: dict[tuple[float, float, float], str] = {}
         for name, said in self._said.items():
             if name == REST:
@@ -94,7 +94,7 @@ class RegionFiles:
             raise InputError(f"{self._say}: the shares of all regions are more than 1; lower some")
         return Regions(self._softened(labels, list(self._said.values()), canvas), regions, canvas)
 
-    def _softened(self, labels: Ints, said: Sequence[Said], canvas: Canvas) -> Ints:
+    def _softened(self, labels: Ints, said: Sequence[RegionDescription], canvas: Canvas) -> Ints:
         """Return labels (H, W) with the edges soft that are said to be, but never towards bare paper."""
         open_to, noise = np.array([not one.bare for one in said]), np.random.default_rng(0).random(labels.shape)
         for number, one in enumerate(said):
@@ -106,7 +106,7 @@ class RegionFiles:
     def _region(
         self,
         name: str,
-        said: Said,
+        said: RegionDescription,
         canvas: Canvas,
         hand: Style,
         hand_size: float,

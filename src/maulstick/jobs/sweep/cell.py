@@ -11,7 +11,7 @@ from pydantic import BaseModel, ConfigDict, JsonValue
 
 from maulstick.errors import InputError, MaulstickError, OutputError, needs_torch
 from maulstick.jobs.plan.options import PlanOptions
-from maulstick.jobs.plan.region_descriptions import Said, read_said
+from maulstick.jobs.plan.region_descriptions import RegionDescription, read_descriptions
 from maulstick.jobs.plan.request import PlanRequest, state_file, state_files, sum_of
 from maulstick.jobs.sweep.grid import LIBRARIES
 from maulstick.painting.brush import load_brushes
@@ -77,6 +77,11 @@ def begin(folder: Path, request: PlanRequest) -> str | None:
     return changed
 
 
+def is_cell(folder: Path) -> bool:
+    """Return whether a folder is that of a cell."""
+    return (folder / _RECORD).is_file()
+
+
 def is_finished(folder: Path) -> bool:
     """Return whether the plan in the folder of a cell was finished."""
     return all((folder / name).is_file() for name in _RESULTS) and not state_files(folder)
@@ -118,10 +123,10 @@ def summed(request: PlanRequest, sum_file: Callable[[Path], str] = file_sum) -> 
     return request.with_sums({_BRUSH: sum_of(of_brushes), _STYLE: "+".join(of_styles)}, sum_file)
 
 
-def _said_in(options: PlanOptions) -> list[Said]:
+def _said_in(options: PlanOptions) -> list[RegionDescription]:
     """Return what is said of each region, where that can be read; else the cells tell why."""
     try:
-        return [] if options.say is None else list(read_said(options.say).values())
+        return [] if options.say is None else list(read_descriptions(options.say).values())
     except InputError:
         return []
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Protocol
 
 from maulstick.errors import InputError, OutputError, option
-from maulstick.jobs.sweep.cell import STOP, begin, is_finished, share_of, summed
+from maulstick.jobs.sweep.cell import STOP, begin, is_cell, is_finished, share_of, summed
 from maulstick.jobs.sweep.grid import SHEET, TABLE, Cell, Grid
 from maulstick.storage.files import file_sum, held
 from maulstick.storage.folders import as_output_error, made_folder
@@ -79,8 +79,8 @@ def opened(grid: Grid, folder: Path, out: Path, note: Callable[[str], None]) -> 
     """Make the folders of a grid's cells in `out`, and yield how they stand; no other sweep can work there meanwhile.
 
     folder: that its paths are relative to.  note: is told sentences for people.
-    Raises InputError for a grid that cannot be planned, before anything is written, and OutputError for a folder that
-    cannot be written, or holds something else.
+    Raises InputError for a grid that cannot be planned, before anything is written, and for a cell that another process
+    plans as it was asked for before; OutputError for a folder that cannot be written, or holds something else.
     """
     sum_once = cache(file_sum)
     requests = [(cell, summed(cell.request, sum_once)) for cell in grid.cells(folder)]
@@ -92,16 +92,16 @@ def opened(grid: Grid, folder: Path, out: Path, note: Callable[[str], None]) -> 
             standings = []
             for cell, request in requests:
                 if (changed := begin(out / cell.name, request)) is not None:
-                    note(f"{cell.name} was planned with another {changed} before, and is planned anew")
+                    note(f"{cell.name} was planned before {changed} changed, and is planned anew")
                 at = out / cell.name
                 standings.append(Standing(cell, at, is_finished(at), share_of(at)))
             yield standings
 
 
 def _check_free(out: Path) -> None:
-    """Raise OutputError where a file has the name of a result, in a folder that no sweep has worked in."""
+    """Raise OutputError where a file has the name of a result, in a folder without cells of a sweep."""
     for name in (TABLE, SHEET):
-        if (out / name).exists() and not (out / _LOCK).exists():
+        if (out / name).exists() and not any(map(is_cell, out.glob("*"))):
             raise OutputError(f"{out / name} is of no sweep, and would be replaced; choose another {option('out')}")
 
 

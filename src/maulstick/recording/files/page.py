@@ -69,11 +69,12 @@ def on_sheet(page: Page, size: tuple[float, float] | None, longest: float | None
     width, height = size or np.maximum(np.round(scale * box, 6), _LEAST_SHEET).tolist()
     samples[:, 1:3] = scale * (places - origin) + (np.array([width, height]) - scale * box) / 2
     strokes = [stroke for stroke in page.strokes if len(stroke)]
-    if any(np.ptp(stroke[:, 0]) > 0 for stroke in strokes):
-        samples[:, 0] = _spread_times([stroke[:, 0] for stroke in strokes])
-        samples[:, 0] -= np.nanmin(samples[:, 0])
-    else:
+    times = [stroke[:, 0] for stroke in strokes]
+    if all(np.isnan(each).all() or each.min() == each.max() for each in times):
         samples[:, 0] = np.nan
+    else:
+        samples[:, 0] = _spread_times(times)
+        samples[:, 0] -= np.nanmin(samples[:, 0])
     lengths = np.array([len(stroke) for stroke in strokes], dtype=np.int64)
     return Ink(samples, lengths, (width, height), source)
 

@@ -35,10 +35,14 @@ def read_svg(content: bytes) -> Page:
     document = SVG.parse(io.BytesIO(tostring(root)), on_error="raise")
     width, height = float(document.width), float(document.height)
     shapes = [shape for shape in document.elements() if isinstance(shape, Shape) and _is_visible(shape)]
-    drawn = [shape for shape in shapes if not _is_paper(shape, width, height)]
+    has_page = root.get("viewBox") is not None or (root.get("width") and root.get("height"))
+    drawn = [shape for shape in shapes if not (has_page and _is_paper(shape, width, height))]
     chains = [chain for shape in drawn for chain in chains_of(Path(shape))]
     if not chains:
-        raise InputError("there is no path or shape in it; convert text and objects to paths in the drawing program")
+        fault = (
+            "there is nothing but the page's paper in it" if shapes and not drawn else "there is no path or shape in it"
+        )
+        raise InputError(f"{fault}; convert text and objects to paths in the drawing program")
     unit = across / width if across and down and width > 0 and height > 0 else None
     strokes = [_stroke(points) for points in polylines(chains)]
     return Page(strokes, unit, None if unit is None else (width, height), "SVG")

@@ -1,9 +1,7 @@
 """Acts of a person in a file of lines that only grows: each an edit, or that the last one was undone or redone."""
 
 import asyncio
-import errno
 import json
-import os
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, final
@@ -11,7 +9,7 @@ from typing import Any, final
 from nicegui import Event
 
 from maulstick.errors import InputError
-from maulstick.storage.files import atomic_write
+from maulstick.storage.files import append_whole, atomic_write
 from maulstick.storage.folders import MAKE_ROOM, as_output_error
 from maulstick.studio.workers.stroke_marks import no_plan
 
@@ -70,16 +68,8 @@ class Acts:
     def _append(self, line: dict[str, Any]) -> None:
         if not self._file.parent.is_dir():
             raise no_plan()
-        content = f"{json.dumps(line)}\n".encode()
-        with as_output_error(self._file.parent, MAKE_ROOM), self._file.open("ab", buffering=0) as file:
-            before = file.tell()
-            try:
-                if file.write(content) != len(content):
-                    raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-                os.fsync(file.fileno())
-            except OSError:
-                file.truncate(before)  # or the next act would stand on a line with half of this one
-                raise
+        with as_output_error(self._file.parent, MAKE_ROOM), self._file.open("ab") as file:
+            append_whole(file.fileno(), f"{json.dumps(line)}\n".encode())
         self._lines.append(line)
         self.changed.emit()
 
