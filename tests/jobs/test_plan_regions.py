@@ -111,7 +111,7 @@ def test_strokes_stay_in_their_regions(painting: Painting) -> None:
         assert (places < least + SIDE / 2 + 2 * slack).all()
 
 
-@pytest.mark.parametrize("colours", [{"ink": "black"}, {"paints": 2}])
+@pytest.mark.parametrize("colours", [{"ink": "black", "paints": None}, {"paints": 2}])
 def test_a_share_of_a_region_of_which_nothing_is_seen_goes_to_the_others(folder: Path, colours: dict[str, Any]) -> None:
     image = Image.new("RGB", (40, 40), "#ff0000")
     image.paste("#0000ff", (20, 0, 40, 40))
