@@ -143,13 +143,13 @@ class InkSupply:
             return None
         image, under = (torch.from_numpy(each).permute(2, 0, 1).double() for each in (layout.target, layout.under))
         amounts = separated(image, under, inks).sum(dim=0).numpy()
-        hands, shares = [style], [1.0]
+        hands = [style] if regions is None else [region.hand for region in regions.said]
+        may_grow, shares = np.array([hand.lengths(1) is None for hand in hands]), np.ones(1)
         if regions is not None:
-            hands = [region.hand for region in regions.said]
             amounts[regions.bare_paper.bare] = 0
-            shares = regions.stroke_shares(amounts).tolist()
-            amounts[np.array([_may_grow(hand) for hand in hands])[regions.labels]] = 0
-        of_hands = [(hand, share) for hand, share in zip(hands, shares, strict=True) if share and not _may_grow(hand)]
+            shares = regions.stroke_shares(amounts)
+            amounts[may_grow[regions.labels]] = 0
+        of_hands = [(hands[number], float(shares[number])) for number in np.flatnonzero(shares * ~may_grow)]
         if not of_hands:
             return None
         resolution = layout.canvas.pixels_per_metre
@@ -208,10 +208,6 @@ class InkSupply:
             f"L* {own.darkest:.0f} to {own.lightest:.0f}, become {tones.darkest:.0f} to {tones.lightest:.0f}; "
             f"{self.fewest:,} strokes would reach them"
         )
-
-
-def _may_grow(style: Style) -> bool:
-    return style.lengths(1) is None
 
 
 def _mean_ink(brush: Brush, hands: list[tuple[Style, float]], pixels_per_metre: float, pressure: float) -> float:

@@ -20,12 +20,17 @@ FILE: Final = "hpgl"
 _LIFT_ONLY = ("grbl", "axidraw", FILE)  # a Grbl counts as one with a servo, since its easel is not known yet
 
 
+def kind_of(spec: str) -> str:
+    """Return the kind of machine that a spec names: ``grbl`` of ``grbl:/dev/ttyUSB0``."""
+    return spec.partition(":")[0]
+
+
 def only_lifts(spec: str) -> bool:
     """Return whether machines of a kind only lift their pen, as far as that is known before one is connected.
 
     spec: of a machine, or only the kind that it begins with. Raises InputError where there is no such kind.
     """
-    kind = spec.partition(":")[0]
+    kind = kind_of(spec)
     kinds = ("sim", *_MACHINES, FILE)
     if kind not in kinds:
         raise InputError.of_choice("machine", spec, kinds)

@@ -11,6 +11,7 @@ from maulstick.robot.adapters.reaches import FRANKA_REACH, UFACTORY_REACHES, UR_
 from maulstick.robot.adapters.ur import UR_LIMITS
 from maulstick.robot.adapters.xarm import LITE6, XARM
 from maulstick.robot.limits import Limits
+from maulstick.robot.machines import kind_of
 from maulstick.robot.reach import Reach
 
 _STEP: Final = 0.01  # metres between two places of a sheet before an arm that are tried
@@ -24,7 +25,7 @@ def sheet_fault(spec: str, width: float, height: float) -> str:
 
     spec: of the machine, or only the kind that it begins with.  width, height: of the sheet, metres.
     """
-    kind = spec.partition(":")[0]
+    kind = kind_of(spec)
     if _is_reached(kind, width, height):
         return ""
     sheet = f"this sheet, {_millimetres(width, height)},"
@@ -36,7 +37,7 @@ def sheet_fault(spec: str, width: float, height: float) -> str:
 
 def is_beyond(spec: str, width: float, height: float) -> bool:
     """Return whether a machine is known not to reach all of a sheet, whether it lies or stands."""
-    kind = spec.partition(":")[0]
+    kind = kind_of(spec)
     return not (_is_reached(kind, width, height) or _is_reached(kind, height, width))
 
 

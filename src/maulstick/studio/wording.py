@@ -3,7 +3,7 @@
 from typing import Final
 
 from maulstick.errors import MaulstickError, Remedy, Wording
-from maulstick.robot.machines import FILE
+from maulstick.robot.machines import FILE, kind_of
 
 MACHINES: Final = {
     "sim": "Simulated easel, as fast as it can",
@@ -48,7 +48,7 @@ def machine_name(spec: str) -> str:
 
 def planned_for(spec: str) -> str:
     """Return the name of a machine that a plan is for, within a sentence, out of its spec or its kind."""
-    kind = spec.partition(":")[0]
+    kind = kind_of(spec)
     name = PLANNED_FOR.get(kind, machine_name(spec))
     return name[0].lower() + name[1:] if name.startswith(("Pen ", "Another ")) else name
 

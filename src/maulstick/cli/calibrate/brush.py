@@ -20,7 +20,7 @@ from maulstick.painting.painting_file import read_painting, write_painting
 from maulstick.painting.raster import Canvas, flat_canvas, parse_size
 from maulstick.robot.easel import read_easel
 from maulstick.robot.journal import Journal, journal_of, was_begun
-from maulstick.robot.machines import SPECS, machine
+from maulstick.robot.machines import SPECS, kind_of, machine
 from maulstick.robot.workplace import Workplace, home_of
 from maulstick.storage.folders import all_or_nothing
 
@@ -146,7 +146,7 @@ def _check_machine(out: Path, robot: str) -> None:
     if not was_begun(journal):
         return
     before = str(Journal.read(journal).options.get("robot", robot))
-    if before.partition(":")[0] != robot.partition(":")[0]:
+    if kind_of(before) != kind_of(robot):
         raise InputError(f"the strokes in {out} were drawn by {before}, not by {robot}; choose another --out")
 
 

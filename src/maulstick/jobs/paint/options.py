@@ -11,6 +11,7 @@ from pydantic import BaseModel, ConfigDict, JsonValue, ValidationError
 
 from maulstick.drawing.options import DrawingOptions
 from maulstick.errors import InputError, Remedy, machine, option, validation_fault
+from maulstick.robot.machines import kind_of
 
 _TAG = 0.02  # side of a tag's black square in metres, as `maulstick calibrate tags` prints them
 _REFILL = r"(\d+(?:\.\d+)?) ?(m|min)"  # after metres or minutes
@@ -92,7 +93,7 @@ class PaintOptions(BaseModel):
             before = _placed(PaintOptions.model_validate(recorded), beside)
         except ValidationError as error:
             raise InputError(f"the journal's options are damaged: {validation_fault(error)}", Remedy.RESTART) from error
-        if self.robot is not None and before.robot is not None and _kind(self.robot) != _kind(before.robot):
+        if self.robot is not None and before.robot is not None and kind_of(self.robot) != kind_of(before.robot):
             raise InputError(
                 f"this painting was begun on {machine(before.robot)}, and what is left belongs on the same sheet",
                 Remedy.SAME_MACHINE_OR_RESTART,
@@ -162,7 +163,3 @@ def _placed(options: PaintOptions, beside: Path) -> PaintOptions:
     """Return the options with absolute paths, where relative ones begin in the folder `beside`."""
     found = {name: value for name, value in options if isinstance(value, Path)}
     return options.model_copy(update={name: Path(os.path.abspath(beside / path)) for name, path in found.items()})
-
-
-def _kind(robot: str) -> str:
-    return robot.partition(":")[0]

@@ -6,6 +6,7 @@ from typing import Any, Protocol
 from nicegui import ui
 from nicegui.elements.mixins.value_element import ValueElement
 
+from maulstick.robot.machines import kind_of
 from maulstick.studio.state.plan import Plan
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.state.titles import MOST_LETTERS
@@ -26,7 +27,7 @@ class RegionFields:
 
     def __init__(self, studio: Studio, plan: Plan, say: _Say) -> None:
         self._studio, self._say, options = studio, say, plan.request.options
-        self._brushes_of = {} if options.ink is not None else brushes_for((options.robot or "").partition(":")[0])
+        self._brushes_of = {} if options.ink is not None else brushes_for(kind_of(options.robot or ""))
         self._shown: SaidRegion | None = None
         with ui.element().classes("fields-of-region") as self._root:
             self._name = ui.input("Name").props(f"maxlength={MOST_LETTERS}")

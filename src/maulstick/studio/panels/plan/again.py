@@ -5,6 +5,7 @@ from typing import Any
 from maulstick.jobs.plan.options import AUTO, PlanOptions
 from maulstick.jobs.plan.request import PlanRequest
 from maulstick.painting.raster import parse_length, parse_size, size_of
+from maulstick.robot.machines import kind_of
 from maulstick.studio.panels.plan.sheet import OWN
 from maulstick.studio.state.settings import Choices
 from maulstick.studio.wording import PLANNED_FOR
@@ -15,7 +16,7 @@ def values_of(request: PlanRequest) -> dict[str, Any]:
     options = request.options
     usual, takes_enough = Choices().model_dump(), options.strokes == AUTO
     width, height = parse_size(size_of(options.size))
-    machine = (options.robot or "").partition(":")[0]
+    machine = kind_of(options.robot or "")
     return {
         **usual,
         "text": options.text or "",
