@@ -166,7 +166,7 @@ def test_what_is_moved_or_turned_while_another_page_takes_it_out_is_left_alone(
     for done, on in ((0, [1e3 * x, 1e3 * y]), (2, None)):
         view.press("Control+a")
         expect(tab.locator(".said")).to_have_text(re.compile(f"^{STROKES} strokes"))
-        tab.wait_for_timeout(200)  # its picture comes after it
+        expect(view).to_have_attribute("data-chosen", "")  # its picture has come
         x, y = view.evaluate(place, on)
         tab.mouse.move(x, y)
         tab.mouse.down()

@@ -2,6 +2,8 @@
 
 from pathlib import Path
 
+import pytest
+
 from maulstick.survey.answers import Answers
 from maulstick.survey.app import participants
 from maulstick.survey.questionnaire import read_survey
@@ -45,6 +47,7 @@ def test_two_people_answer_everything_by_keyboard_and_the_tables_show_it(folder:
     assert found.opinions == tuple(Opinion(asks, (1, 1)) for asks in OPINIONS)
 
 
+@pytest.mark.filterwarnings("ignore:.* of the ink that the picture needs")
 def test_people_say_whose_drawing_a_plan_is_beside_whole_drawings_by_all(running: Server, tmp_path: Path) -> None:
     folder = tmp_path / "survey"
     survey = build_of_whole_drawings(folder, tmp_path)
