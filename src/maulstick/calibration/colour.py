@@ -70,15 +70,15 @@ class Colours(BaseModel):
 
         Raises InputError where a quarter of the sheet, or half of the tags, are overexposed.
         """
+        dazzling = [tag for tag, white in whites.items() if (colours_of(white) >= _WHITEST).any()]
+        if (flat >= _WHITEST).any(axis=-1).mean() > _DAZZLED or 2 * len(dazzling) >= max(len(whites), 1):
+            raise InputError("the photograph is overexposed; lower the camera's exposure or dim the lamp")
         height, width = flat.shape[:2]
         lamp = _powers(np.linspace(-1, 1, width), np.linspace(-1, 1, height)) @ np.array(self.lamp)
         gains = [
             np.asarray(whites[tag]) / np.maximum(self.whites[tag], _DARKEST) for tag in whites.keys() & self.whites
         ]
         exposure = np.median(gains, axis=0) if gains else np.ones(3)
-        dazzling = [tag for tag, white in whites.items() if (colours_of(white) >= _WHITEST).any()]
-        if (flat >= _WHITEST).any(axis=-1).mean() > _DAZZLED or 2 * len(dazzling) >= max(len(whites), 1):
-            raise InputError("the photograph is overexposed; lower the camera's exposure or dim the lamp")
         paper = light_of(np.array(self.paper, dtype=np.float32))
         return np.asarray(light_of(flat) * (paper / np.maximum(np.exp(lamp) * exposure, _DARKEST)), dtype=np.float32)
 

@@ -18,7 +18,6 @@ from maulstick.storage.folders import as_output_error, made_folder
 _LOOK = 0.3  # seconds between two looks at the jobs: enough for a progress bar
 _LOOK_EACH = 1e-3  # seconds more for each job: a disk that machines share is slow
 _MOST_RETRIES = 100
-_LOCK = ".lock"
 _UNSEEN = "what it wrote is not seen here; all machines must see the sweep's folder at the same path"
 
 
@@ -87,7 +86,7 @@ def opened(grid: Grid, folder: Path, out: Path, note: Callable[[str], None]) -> 
     _check_free(out)
     with made_folder(out):
         taken = f"another sweep works in {out}; wait for it, or choose another {option('out')}"
-        with held(out / _LOCK, taken, f"cannot write into the folder {out}", f"choose another {option('out')}"):
+        with held(out / ".lock", taken, f"cannot write into the folder {out}", f"choose another {option('out')}"):
             (out / STOP).unlink(missing_ok=True)
             standings = []
             for cell, request in requests:
