@@ -10,7 +10,7 @@ from maulstick.planning.objectives import edges
 from maulstick.planning.objectives.edges import Edges
 from maulstick.planning.objectives.luminance import luminance
 
-VALUE, SLOPE = 2e-6, 2e-5  # of float32; slopes relative to the largest
+VALUE, SLOPE = 2e-6, 2e-5  # of float32; relative to the largest slopes, before those of a part are taken from another's
 
 sides = st.integers(1, 70)
 
@@ -23,17 +23,34 @@ def term(seed: int, height: int, width: int, precision: torch.dtype = torch.floa
     return Edges(noise(seed + 1, 3, height, width).to(precision), noise(seed + 2, height, width).to(precision))
 
 
+def parts_of_slopes(plain: Edges, canvas: Tensor) -> Tensor:
+    """Sizes of all that is summed to a slope (3, H, W): where canvas and picture correlate, little is left of it.
+
+    Of each level, through the correlation's numerator and through its denominator.
+    """
+    total = torch.zeros_like(canvas)
+    for number, (wanted, energy, shares) in enumerate(plain._wanted):
+        for held in ("numerator", "denominator"):
+            image = canvas.detach().requires_grad_()
+            slopes = edges._slopes(plain._pyramid(luminance(image))[number])
+            both, own = edges._windowed(slopes, wanted), edges._windowed(slopes, slopes)
+            both, own = (both.detach(), own) if held == "numerator" else (both, own.detach())
+            correlations = (shares * both / (own * energy).sqrt()).sum()
+            total += torch.autograd.grad(correlations, image)[0].abs() / len(plain._wanted)
+    return total
+
+
 def assert_as_plainly(fast: Edges, plain: Edges, canvas: Tensor) -> None:
     canvas.requires_grad_()
     in_double = canvas.detach().double().requires_grad_()
+    parts = parts_of_slopes(plain, in_double)
     loss, expected = fast.loss(canvas, 0.5), plain.plain_loss(luminance(in_double))
-    assert loss.item() == pytest.approx(expected.item(), abs=VALUE)
+    assert loss.item() == pytest.approx(expected.item(), abs=VALUE * (1 + parts.norm().item()))  # pixels are rounded
     (3 * loss).backward()
     (3 * expected).backward()
     assert canvas.grad is not None
     assert in_double.grad is not None
-    error, size = (canvas.grad - in_double.grad).abs().max().item(), in_double.grad.abs().max().item()
-    assert error <= SLOPE * size
+    assert (canvas.grad - in_double.grad).abs().max() <= SLOPE * 3 * parts.max()
 
 
 @settings(deadline=None)
