@@ -82,6 +82,14 @@ def test_tags_that_are_there_twice_are_not_to_be_uncovered() -> None:
     )
 
 
+def test_a_mirrored_photograph_is_told_from_one_without_tags() -> None:
+    photo = Studio(bare()).camera.photograph()
+    with pytest.raises(InputError, match=r"^the photograph is mirrored; turn that off"):
+        locate(photo[:, ::-1], TAGS)
+    with pytest.raises(InputError, match=r"^none of the 4 tags is seen"):
+        locate(np.full_like(photo, 0.5), TAGS)
+
+
 def test_tags_that_lie_elsewhere_than_they_should_are_refused() -> None:
     photo = Studio(bare()).camera.photograph()
     assert sorted(found_tags(photo)) == [0, 1, 2, 3]

@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 from scipy.optimize import least_squares
 
-from maulstick.calibration.tags import found_tags, repeated_tags
+from maulstick.calibration.tags import found_tags, is_mirrored, repeated_tags
 from maulstick.errors import InputError
 from maulstick.painting.raster import Canvas
 from maulstick.robot.camera.opencv import opencv
@@ -128,6 +128,8 @@ def locate(photo: Image, frame: TagFrame) -> CameraView:
         if repeated := repeated_tags(photo):
             twice = f"more than one tag {repeated[0]} ({_NAMES[repeated[0]]}) is seen"
             raise InputError(f"{twice}; take away all but the four tags at the corners of the sheet")
+        if is_mirrored(photo):
+            raise InputError("the photograph is mirrored; turn that off where the camera, or its app, is set")
         seen = f"only {len(found)} of the 4 tags {'is' if len(found) == 1 else 'are'} seen ({_listed(found)})"
         places = ", ".join(f"{tag} ({_NAMES[tag]})" for tag in TAGS if tag not in found)
         raise InputError(f"{seen if found else 'none of the 4 tags is seen'}; uncover and light {places}")

@@ -28,6 +28,11 @@ def repeated_tags(photo: Image) -> list[int]:
     return [tag for tag, places in _seen(photo).items() if len(places) > 1]
 
 
+def is_mirrored(photo: Image) -> bool:
+    """Return whether tags 0 to 3 are seen in the mirror image of a photograph (H, W, 3), sRGB in [0, 1], alone."""
+    return not any(_seen(photo).values()) and any(_seen(np.ascontiguousarray(photo[:, ::-1])).values())
+
+
 def _seen(photo: Image) -> dict[int, list[Floats]]:
     """Return where each of the tags 0 to 3 is seen, corners (4, 2) from the pixels' upper left edges, roughly."""
     cv2 = opencv()
