@@ -287,7 +287,7 @@ def test_files_of_a_brush_and_a_hand_lie_beside_what_names_them_wherever_one_is(
         ("[face]\n", "face has no colour on the map; give it one, as in colour = '#ff0000'"),
         ("[face]\ncolour = 'ff'\n", "'ff' is not a colour"),
         ("[face]\ncolour = '#ff0000'\n[coat]\ncolour = 'red'\n", "face and coat have the same colour, red"),
-        ("[face]\ncolour = '#123456'\n", "shows nothing in #123456, the colour of face; paint it, or leave it out"),
+        ("[face]\ncolour = '#123456'\n", "the colour of face, where the plan has its pixels; paint more of it"),
         ("[face]\ncolour = 'red'\nhand = 'loops'\n", "face.hand: Extra inputs are not permitted"),
         ("[face]\ncolour = 'red'\nshare = 1.5\n", "face.share: Input should be less than 1"),
         ("[face]\ncolour = 'red'\ndirection = inf\n", "other.toml: face.direction.float: Input should be a finite"),

@@ -80,9 +80,9 @@ class RegionFiles:
         labels = self._labels(canvas, shape, fit, margin)
         for number, (name, one) in enumerate(self._said.items()):
             if name != REST and not (labels == number).any():
-                colour = one.colour
                 raise InputError(
-                    f"{self._map} shows nothing in {colour}, the colour of {name}; paint it, or leave it out"
+                    f"{self._map} shows nothing in {one.colour}, the colour of {name}, where the plan has its pixels; "
+                    "paint more of it, or leave it out"
                 )
         regions = tuple(
             self._region(name, one, canvas, hand, hand_size, brushes, usual) for name, one in self._said.items()
