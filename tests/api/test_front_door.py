@@ -364,6 +364,13 @@ def test_a_painting_is_told_in_one_line(painting: ms.Painting) -> None:
     assert str(painting) == repr(painting) == f"<Painting: {counts}, {painting.sheet.millimetres}>"
 
 
+def test_ink_and_hands_are_told_in_one_line(drawing: Path) -> None:
+    ink = ms.read_ink(drawing)
+    assert repr(ink) == f"<Ink: {ink.summary()}>"
+    assert repr(ms.load_style("elephant")) == "<Exemplar: elephant>"
+    assert repr(ms.load_style("free")) == "<FreeStyle: free>"
+
+
 def test_a_brush_is_fitted_to_trials_kept_on_request_and_says_what_it_cannot_tell(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

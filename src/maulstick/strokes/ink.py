@@ -16,7 +16,7 @@ KIND = "ink"
 _LARGEST_SHEET = 100.0  # metres a side; a larger one is a mistake in the units
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Ink:
     """Raw strokes on a sheet, each with its own number of samples.
 
@@ -61,6 +61,10 @@ class Ink:
 
     def __len__(self) -> int:
         return len(self.lengths)
+
+    def __repr__(self) -> str:
+        """Say what `summary` does; samples fill pages."""
+        return f"<Ink: {self.summary()}>"
 
     @classmethod
     def of(cls, strokes: Sequence[Floats], size: tuple[float, float], source: str = "") -> Self:

@@ -65,7 +65,7 @@ class _Stays:
     strays: Tensor
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Exemplar(Style):
     """Style of a hand by its examples: a code is a stroke's gist and residual (`style.shape`) in `PooledHands.units`.
 

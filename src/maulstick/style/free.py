@@ -22,7 +22,7 @@ CONTROL_POINTS = 8
 """Control points of a stroke's spline: enough for an S, too few for tremor."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class FreeStyle(Style):
     """Style of clamped cubic B-splines with 8 control points.
 

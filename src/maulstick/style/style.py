@@ -24,6 +24,10 @@ class Style(ABC):
     name: str
     max_mean_cost: float
 
+    def __repr__(self) -> str:
+        """Say of which kind it is, and its name; the arrays of a hand fill pages."""
+        return f"<{type(self).__name__}: {self.name}>"
+
     @property
     @abstractmethod
     def hash(self) -> str:

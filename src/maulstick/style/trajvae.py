@@ -76,7 +76,7 @@ def _layers(weights: Weights, part: str, x: Tensor) -> Tensor:
     return linear(x, weights[f"{part}.2.weight"], weights[f"{part}.2.bias"])
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class TrajVAE(Style):
     """Style of a hand by a network: a code is the posterior mean of a stroke's latents; their prior is standard normal.
 
