@@ -74,7 +74,7 @@ def test_touches_on_a_line_are_refused() -> None:
 def test_one_bad_touch_is_refused_by_its_number() -> None:
     wrong = touches(easel(0.3, 0.1, 1), A4)
     wrong[2] += [0.004, 0.003, 0.006]
-    with pytest.raises(InputError, match=r"at most 1 mm: touch point 3 again"):
+    with pytest.raises(InputError, match=r"at most 1 mm, and point 3 is farthest off; touch them again"):
         easel_from_touches(wrong, A4)
 
 

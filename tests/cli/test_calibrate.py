@@ -321,12 +321,18 @@ def test_ctrl_c_and_a_terminal_that_is_closed_lift_the_tip(monkeypatch: pytest.M
             assert device.place[2] == pytest.approx(5)
 
 
-def test_corners_that_do_not_fit_the_sheet_are_refused(terminal: int, arm: Recorder) -> None:
-    os.write(terminal, "".join([CORNERS[0], jogs("1", (9, RIGHT), (2, LOWER)) + "\r", *CORNERS[2:]]).encode())
+def test_corners_that_do_not_fit_the_sheet_are_asked_for_again_until_they_do(terminal: int, arm: Recorder) -> None:
+    wrong = jogs("1", (9, RIGHT), (2, LOWER)) + "\r"  # 10 mm beside the upper right corner
+    low, left = jogs("1", (6, DOWN), (2, LOWER)) + "\r", jogs("1", (9, LEFT), (2, LOWER)) + "\r"
+    again = jogs("1", (6, UP), (2, LOWER)) + "\r" + CORNERS[1] + PRESS
+    os.write(
+        terminal, "".join([CORNERS[0], wrong, jogs("1", (1, RIGHT)), low, jogs("1", (1, LEFT)), left, again]).encode()
+    )
     ran = touch()
-    assert ran.code == 2
-    assert "touch point " in ran.stderr
-    assert not Path("easel.json").exists()
+    assert ran.code == 0, ran.stderr
+    assert ran.stderr.count("the touched points lie ") == 2
+    assert ran.stderr.count("corner of the sheet until it just touches, and press Enter") == 6
+    assert read_easel("easel.json").corner == pytest.approx((0, 0, 0), abs=1e-9)
 
 
 def test_an_arm_that_feels_goes_down_by_itself(terminal: int, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -57,7 +57,8 @@ def easel_from_touches(touched: Floats, places: Floats, deepest: float = 0.0, tr
     if error > MOST_ERROR:
         raise InputError(
             f"the touched points lie {1e3 * error:.2g} mm beside their places; it must be at most "
-            f"{1e3 * MOST_ERROR:g} mm: touch point {misses.argmax() + 1} again, and see that the paper is flat"
+            f"{1e3 * MOST_ERROR:g} mm, and point {misses.argmax() + 1} is farthest off; touch them again, and see that "
+            "the paper is flat and the size that of the sheet"
         )
     try:
         return Easel(

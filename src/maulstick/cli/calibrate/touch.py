@@ -49,7 +49,6 @@ def touch(
     check_absent(out, "--out", overwrite)
     if not sys.stdin.isatty():
         raise InputError("keys are needed to take the tip to the corners; run it in a terminal")
-    from maulstick.calibration.touch import easel_from_touches, probe_by_force
     from maulstick.robot.force import FeelsForce
 
     console = Console(stderr=True, markup=False, highlight=False)
@@ -64,17 +63,7 @@ def touch(
     with folder, machine_lock(robot), unechoed(), hang_up_as_ctrl_c(), machine(robot, None) as arm:
         if force and not isinstance(arm, FeelsForce):
             raise InputError(f"{robot} cannot feel the paper; leave out --force, and touch it by eye")
-        touched = []
-        for name in corners:
-            if force:
-                assert isinstance(arm, FeelsForce)
-                above = _jogged(arm, keys, f"take the tip above the {name} corner of the sheet", console)
-                touched.append(probe_by_force(arm, above, arm.limits.lower[2]))
-            else:
-                ask = f"lower the tip onto the {name} corner of the sheet until it just touches"
-                touched.append(_jogged(arm, keys, ask, console))
-            _raise(arm)
-        easel = easel_from_touches(np.array(touched), np.array(list(corners.values())))
+        easel = _touched(arm, keys, corners, console, force=force)
         if arm.limits.varies_pressure:
             easel = _pressed(arm, keys, easel, console)
             _raise(arm)
@@ -85,6 +74,31 @@ def touch(
         flush=True,
     )
     print(out, flush=True)
+
+
+def _touched(
+    arm: "Robot", keys: Iterator[str], corners: dict[str, tuple[float, float]], console: Console, *, force: bool
+) -> "Easel":
+    """Return the easel on which the corners lie; where they do not fit, ask for each again until they do."""
+    from maulstick.calibration.touch import easel_from_touches, probe_by_force
+    from maulstick.robot.force import FeelsForce
+
+    touched: dict[str, Floats] = {}
+    while True:
+        for name in corners:
+            if force:
+                assert isinstance(arm, FeelsForce)
+                above = _jogged(arm, keys, f"take the tip above the {name} corner of the sheet", console)
+                touched[name] = probe_by_force(arm, above, arm.limits.lower[2])
+            else:
+                ask = f"lower the tip onto the {name} corner of the sheet until it just touches"
+                touched[name] = _jogged(arm, keys, ask, console)
+            _raise(arm)
+            if len(touched) == len(corners):
+                try:
+                    return easel_from_touches(np.array([*touched.values()]), np.array([*corners.values()]))
+                except InputError as error:
+                    console.print(COMMAND_LINE.say(error), soft_wrap=True)
 
 
 def _pressed(arm: "Robot", keys: Iterator[str], easel: "Easel", console: Console) -> "Easel":
