@@ -29,6 +29,7 @@ def test_a_tray_is_read_from_its_file(tmp_path: Path) -> None:
     [
         ({"schema_version": 2}, "schema_version"),
         ({"reach": 0}, "reach"),
+        ({"reach": 600}, "reach"),
         ({"speed": -1}, "speed"),
         ({"depth": 1}, "depth"),
         (

@@ -15,6 +15,7 @@ from maulstick.painting.painting import Painting
 from maulstick.storage.arrays import Floats
 from maulstick.storage.records import read_record
 
+_LONGEST = 20.0  # metres that a brush paints with one dip: more is millimetres that were taken for metres
 _TURN = 12  # points per turn in a well: a circle to within 4 % of its radius
 
 _Metres = Annotated[float, Field(allow_inf_nan=False)]
@@ -63,7 +64,7 @@ class Tray(_Part):
     """
 
     schema_version: Literal[1]
-    reach: _Above
+    reach: Annotated[float, Field(gt=0, le=_LONGEST, allow_inf_nan=False)]
     clearance: _Above
     speed: _Above = 0.05
     paints: dict[Name, Well]
