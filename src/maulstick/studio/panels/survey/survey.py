@@ -1,6 +1,8 @@
 """Panel of surveys: a form for a new one, and the links and the results of each."""
 
-from collections.abc import Mapping
+import json
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 
 from nicegui import background_tasks, html, ui
@@ -19,6 +21,9 @@ from maulstick.survey.answers import Participant
 
 _STYLE = Path(__file__).with_name("survey.css")
 _MOST_SHOWN = 40  # links; all of them can be copied
+_COPY = "try { await navigator.clipboard.writeText(TEXT); return true; } catch { return false; }"
+_LONGEST_COPY = 10.0  # seconds for the page to answer
+_COPIED_LINKS = "links.txt"
 
 
 def build(studio: Studio, query: Mapping[str, str]) -> None:
@@ -149,7 +154,7 @@ class _Survey:
                     state = f"{person.answered} answered" if person.begun else "not begun"
                     ui.label(f"Person {person.number}, {state}").classes("who figure")
                     ui.input(value=link).props("readonly dense outlined").props(f'aria-label="Link {person.number}"')
-                    copy = ui.button("Copy", on_click=lambda link=link: _copy(link, "The link is copied."))
+                    copy = ui.button("Copy", on_click=lambda link=link: _copy([link], "The link is copied."))
                     copy.props("flat").props(f'aria-label="Copy link {person.number}"')
             if len(waiting) > _MOST_SHOWN:
                 html.li(f"and {len(waiting) - _MOST_SHOWN} more, which “Copy all links” copies too").classes("hint")
@@ -164,9 +169,9 @@ class _Survey:
         await self._surveys.invite(self._name, int(count))
         ui.notify("The links are made. Give each to one person.")
 
-    def _copy_all(self) -> None:
+    async def _copy_all(self) -> None:
         waiting = [person for person in self._people or () if not person.finished]
-        _copy("\n".join(map(self._link, waiting)), f"Copied, one per line: {len(waiting)}.")
+        await _copy([*map(self._link, waiting)], f"Copied, one per line: {len(waiting)}.")
 
     async def _download(self) -> None:
         csv = await self._surveys.csv(self._name)
@@ -182,9 +187,17 @@ class _Survey:
         )
 
 
-def _copy(text: str, done: str) -> None:
-    ui.clipboard.write(text)
-    ui.notify(done)
+async def _copy(links: Sequence[str], done: str) -> None:
+    """Copy links, one per line, and say `done`; save them as a file where the browser lets the page copy nothing."""
+    page, text, is_copied = ui.context.client, "\n".join(links), False
+    with suppress(TimeoutError):
+        is_copied = await page.run_javascript(_COPY.replace("TEXT", json.dumps(text)), timeout=_LONGEST_COPY)
+    with page:  # the button may be gone
+        if is_copied:
+            ui.notify(done)
+            return
+        ui.download.content(text, _COPIED_LINKS, "text/plain")
+        ui.notify(f"A browser copies nothing from a page over plain HTTP; saved as {_COPIED_LINKS} instead.")
 
 
 def _tables(report: SurveyReport) -> None:
