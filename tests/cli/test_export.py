@@ -144,6 +144,27 @@ def test_nothing_is_overwritten_unless_it_is_asked_for() -> None:
     assert exported("--out", "there.gcode", "--overwrite").startswith("G21")
 
 
+def test_what_is_exported_is_not_written_over(here: Path) -> None:
+    Path("drawing.svg").write_text(exported("--format", "svg"))
+    before = {file: Path(file).read_bytes() for file in ("painting.json", "drawing.svg")}
+    for file, format in (("painting.json", "gcode"), ("drawing.svg", "svg")):
+        ran = run("export", file, "--format", format, "--out", here / file, "--overwrite")
+        assert ran.mistake == f"--out is {here / file}, the painting itself; choose another --out"
+    Path("drawing.svg").rename("drawing-2.svg")
+    ran = run("export", "drawing-2.svg", "--format", "svg", "--per-pen", "--out", "drawing.svg", "--overwrite")
+    assert "--out is drawing-2.svg, the painting itself; choose another --out" in ran.stderr
+    assert before == {
+        "painting.json": Path("painting.json").read_bytes(),
+        "drawing.svg": Path("drawing-2.svg").read_bytes(),
+    }
+
+
+def test_a_folder_that_is_not_there_is_found_before_anything_is_exported() -> None:
+    Path("painting.json").write_text("broken")
+    ran = run("export", "painting.json", "--out", "no/painting.gcode")
+    assert ran.mistake == "cannot write no/painting.gcode: its folder does not exist; make the folder first"
+
+
 @pytest.mark.parametrize(
     ("words", "text"),
     [

@@ -8,8 +8,9 @@ from typing import Annotated, TypeVar
 
 import numpy as np
 import typer
+from rich.console import Console
 
-from maulstick.cli.folder import check_absent
+from maulstick.cli.folder import check_place
 from maulstick.errors import InputError
 from maulstick.painting.painting import Painting
 from maulstick.painting.painting_file import read_painting, write_painting
@@ -67,7 +68,9 @@ def edit(
     """
     if out is None:
         raise InputError("name the file to write, with --out cat/mine.json")
-    check_absent(out, "--out", overwrite)
+    if out.suffix.lower() != ".json":
+        raise InputError(f"--out is {out}; a painting is written as JSON, so let its name end in .json")
+    check_place(out, "--out", overwrite)
     before = read_painting(painting)
     edits: list[StrokeEdit] = []
     for text in repaint or []:
@@ -108,11 +111,16 @@ def _drawn(text: str, painting: Painting) -> list[AddStroke]:
     from maulstick.recording.files.ink_files import read_ink_file  # loads parsers
 
     strokes, paint = [], _index(int(number), painting)
-    for samples in read_ink_file(Path(file))[0].strokes():
+    for samples in read_ink_file(Path(file), note=_print_note)[0].strokes():
         points = samples[:, 1:4]
         points[:, 2] = np.where(np.isnan(points[:, 2]), _HELD, points[:, 2])
         strokes.append(AddStroke(paint=paint, trajectory=tuple(map(tuple, points.tolist()))))
     return strokes
+
+
+def _print_note(note: str) -> None:
+    console = Console(stderr=True, markup=False, highlight=False)
+    console.print(f"note: {note}; give it a width and a height in millimetres", soft_wrap=True)
 
 
 def _parts(
