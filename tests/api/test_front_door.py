@@ -404,5 +404,7 @@ def test_an_svg_is_read_shown_and_painted(drawing: Path, tmp_path: Path) -> None
     with pytest.raises(InputError, match="sice"):
         ms.read_painting(file, sice=3)
     painting.save(tmp_path / "painting.json")
-    with pytest.raises(InputError, match="is no SVG, and a painting is painted as it was planned; leave out drawing"):
+    with pytest.raises(
+        InputError, match="is no SVG, and a painting is painted as it was planned; leave out the options of drawings"
+    ):
         ms.read_painting(tmp_path / "painting.json", hatch=1e-3)
