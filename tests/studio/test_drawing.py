@@ -311,6 +311,28 @@ def test_a_recording_becomes_a_hand_and_a_broken_one_leaves_nothing(folder: Fold
     assert folder.names("hands") == ["cat", "dog"]
 
 
+def test_recordings_of_one_name_that_come_at_once_are_two_hands(folder: Folder, tmp_path: Path) -> None:
+    (file := tmp_path / ".incoming").write_text('<svg xmlns="http://www.w3.org/2000/svg"><path d="M1 1L9 9"/></svg>')
+
+    async def work(drawing: Drawing) -> None:
+        await asyncio.gather(*(drawing.hands.take_in(file, "cat.svg", None) for _ in range(2)))
+
+    hands = at_the_desk(folder, work).hands
+    assert hands.titles() == {"cat": "cat", "cat-2": "cat 2"}
+
+
+def test_what_is_drawn_stays_where_its_hand_is_opened_twice_at_once(folder: Folder) -> None:
+    drawn(folder, 3)
+
+    async def work(drawing: Drawing) -> None:
+        await drawing.begin(A6)
+        new = iter([2000])
+        drawing.renewed.subscribe(lambda: [drawing.add(id, LINE) for id in new])  # once it lies there, and once alone
+        await asyncio.gather(drawing.open("my-hand"), drawing.open("my-hand"))
+
+    assert len(at_the_desk(folder, work).strokes) == 4
+
+
 @pytest.mark.parametrize(
     ("size", "notes"),
     [
