@@ -90,7 +90,7 @@ class ExportFile:
 
 @dataclass(frozen=True)
 class Export:
-    """Files of an export, in the order in which a machine takes them, and sentences about what they leave out."""
+    """Files of an export, in the order in which a machine takes them, and sentences about what they do not say."""
 
     files: tuple[ExportFile, ...]
     notes: tuple[str, ...] = ()
@@ -117,7 +117,7 @@ def exported(painting: Painting, options: ExportOptions) -> Export:
     actions = routine(plan, place, limits, wells, speed=options.fastest)
     if options.format == "hpgl":
         speed = None if options.speed is None else options.fastest
-        return Export(_loads(plan, as_hpgl(actions, limits, options.carousel or CAROUSEL, speed, options.shrink)))
+        return _loads(plan, as_hpgl(actions, limits, options.carousel or CAROUSEL, speed, options.shrink))
     if options.format == "json":
         return Export((ExportFile(as_json(actions)),))
     spoken = next(each for each in DIALECTS if each == (options.dialect or DIALECTS[0]))
@@ -134,11 +134,14 @@ def _svgs(plan: Painting) -> tuple[ExportFile, ...]:
     return tuple(files)
 
 
-def _loads(plan: Painting, loads: list[CarouselLoad]) -> tuple[ExportFile, ...]:
-    def pens(load: CarouselLoad) -> str:
-        return ", ".join(f"pen {n} is {_pen(plan, paint)}" for n, paint in enumerate(load.paints, start=1))
-
-    return tuple(ExportFile(load.text, pens(load) if len(loads) > 1 else "") for load in loads)
+def _loads(plan: Painting, loads: list[CarouselLoad]) -> Export:
+    """Return a file per load, and say which pen is which: of a load that is alone, unless it has just the first pen."""
+    used = {stroke.paint for stroke in plan.strokes}
+    pens = [{n: _pen(plan, paint) for n, paint in enumerate(load.paints, start=1) if paint in used} for load in loads]
+    told = [", ".join(f"pen {number} is {pen}" for number, pen in each.items()) for each in pens]
+    if len(loads) == 1:
+        return Export((ExportFile(loads[0].text),), () if [*pens[0]] == [1] else (told[0],))
+    return Export(tuple(ExportFile(load.text, each) for load, each in zip(loads, told, strict=True)))
 
 
 def _pen(plan: Painting, paint: int) -> str:
