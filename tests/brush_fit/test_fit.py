@@ -206,3 +206,11 @@ def test_fewer_than_five_strokes_are_refused_with_what_is_wrong_with_the_others(
         fitted(trials)
     with pytest.raises(InputError, match=r"^0 of 0 trials can be used, and 5 are needed: draw more$"):
         fitted([])
+
+
+@pytest.mark.parametrize("dark_first", [True, False])
+def test_photographs_and_darkness_images_are_not_fitted_together(dark_first: bool) -> None:
+    dark, photographs = draw_darkness(MARKER, 3, 1), draw_trials(MARKER, 3, 2)
+    text = "3 trials are darkness images, as stroke 1 is, and 3 are photographs; one fit takes one kind"
+    with pytest.raises(InputError, match=f"^{text}"):
+        fitted([*dark, *photographs] if dark_first else [*photographs, *dark])
