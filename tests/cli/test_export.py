@@ -136,6 +136,20 @@ def test_without_any_depth_gcode_by_height_is_refused() -> None:
     assert "neither the brush marker nor the easel says how deep it may be pressed" in ran.mistake
 
 
+def test_strokes_that_reach_a_millimetre_beyond_the_sheet_are_exported_with_a_note(here: Path) -> None:
+    strokes = [line(0, (-0.001, 0.01), (0.03, 0.01)), line(1, (0.01, HEIGHT + 5e-4), (0.03, HEIGHT))]
+    write_painting(painting_of(strokes, [nominal("fineliner")]), here / "painting.json")
+    for words in (("--servo", "30,90"), ("--format", "hpgl"), ("--format", "json")):
+        ran = run("export", "painting.json", *words)
+        assert ran.code == 0, ran.stderr
+        assert "note: strokes reach up to 1 mm beyond the sheet; let the machine have so much room" in ran.stderr
+    text = Path("painting.plot.gcode").read_text()
+    assert "X-1.000" in text
+    assert "Y-0.500" in text
+    write_painting(painting_of(strokes[1:], [nominal("fineliner")], (0.06, HEIGHT + 5e-4)), here / "inside.json")
+    assert run("export", "inside.json", "--servo", "30,90").stderr == ""
+
+
 def test_nothing_is_overwritten_unless_it_is_asked_for() -> None:
     Path("there.gcode").write_text("mine")
     ran = run("export", "painting.json", "--out", "there.gcode")
