@@ -5,7 +5,9 @@ import numpy as np
 import pytest
 from scipy import ndimage
 
+from maulstick.brush_fit import fit as module
 from maulstick.brush_fit.fit import Fit, fit_brush
+from maulstick.brush_fit.selection import bend
 from maulstick.brush_fit.trials import Trial, Trials
 from maulstick.errors import InputError
 from maulstick.painting.brush import CURVE_PRESSURES, Brush
@@ -127,6 +129,13 @@ def test_held_out_strokes_are_shown_with_what_was_predicted(plain: Fit) -> None:
     for view in plain.views:
         assert view.after.shape == view.predicted.shape
         assert 0.2 * plain.l1 < np.abs(view.after - view.predicted).mean() < 3 * plain.l1
+
+
+def test_strokes_are_shown_from_the_flattest_to_the_most_bent(monkeypatch: pytest.MonkeyPatch) -> None:
+    trials = draw_darkness(MARKER, 7, 1)
+    by_bend = sorted(trials, key=lambda trial: bend(trial.path))
+    monkeypatch.setattr(module, "_VIEWS", 3)
+    assert [view.name for view in fitted(trials).views] == [by_bend[i].name for i in (0, 3, 6)]
 
 
 def test_a_plateau_and_a_nib_are_found(of_nib: Fit) -> None:
