@@ -253,18 +253,17 @@ def pen_brush(name: str, pen: PenModel) -> Brush:
 def load_pen_brush(name: str) -> tuple[Brush, str | None]:
     """Return the brush of a pen by its name, and its colour, ``#rrggbb`` or None where that is not known.
 
-    A pen is in the catalogue, or a brush whose width is constant, as one that was fitted to photographs of a pen.
+    A pen is in the catalogue, or a brush whose width is constant, as one that was fitted to photographs of a pen; that
+    comes first where both have the name, as in `load_brush`.
     Raises InputError where there is no such pen.
     """
-    if name in PENS.paths():
-        pen = load_pen(name)
-        return pen_brush(name, pen), pen.colour
-    if name not in BRUSHES.paths():
-        raise InputError.of_choice("pen", name, [*PENS.paths(), "a brush of constant width"])
+    pens = PENS.paths()
+    if name not in pens and name not in BRUSHES.paths():
+        raise InputError.of_choice("pen", name, [*pens, "a brush of constant width"])
     brush = load_brush(name)
     if brush.pressure_matters:
         raise InputError(f"the width of the brush {name} varies with pressure, so it is no pen; name it as a brush")
-    return brush, None
+    return brush, load_pen(name).colour if name in pens else None
 
 
 def write_brush(brush: Brush, path: Path) -> None:
