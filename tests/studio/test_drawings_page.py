@@ -73,7 +73,7 @@ def test_a_drawing_is_brought_read_with_hatches_thrown_away_taken_back_and_paint
     expect(mine.get_by_text("All 2 strokes are painted.")).to_be_visible()
 
 
-def test_a_drawing_that_is_brought_again_is_painted_with_its_own_pens(page: Callable[..., Page], tmp_path: Path) -> None:
+def test_a_drawing_that_is_brought_again_has_pens_of_its_own(page: Callable[..., Page], tmp_path: Path) -> None:
     tab = page("/paint")
     for colour, word in (("#d02020", "red"), ("#2040c0", "blue")):
         pens = (f'<path d="M 5 {y} H 40" fill="none" stroke="{pen}"/>' for y, pen in ((5, "#000"), (15, colour)))
