@@ -9,7 +9,7 @@ from gcodeparser import parse_gcode_lines
 from maulstick.painting.brush import Brush
 from maulstick.painting.painting import Painting
 from maulstick.painting.painting_file import write_painting
-from maulstick.robot.easel import Easel, write_easel
+from maulstick.robot.easel import Easel, Pen, write_easel
 from tests.cli.conftest import run
 from tests.robot.test_export import places_of
 from tests.support.nominal import nominal
@@ -81,6 +81,12 @@ def test_gcode_goes_where_the_easel_says(here: Path) -> None:
     places = places_of(exported("--easel", "easel.json"))[1:]
     assert places[:, :2].min(axis=0) == pytest.approx([0.21, 0.47], abs=GCODE_METRES)
     assert places[:, 2].min() == pytest.approx(0.006, abs=GCODE_METRES)
+
+
+def test_a_servo_of_other_numbers_takes_the_time_that_the_easel_says(here: Path) -> None:
+    pen = Pen(up=1, down=2, seconds=0.7)
+    write_easel(Easel(corner=(0, 0.5, 0), right=(1, 0, 0), down=(0, -1, 0), pen=pen), here / "easel.json")
+    assert "M3 S90\nG4 P0.700" in exported("--easel", "easel.json", "--servo", "30,90")
 
 
 def test_gcode_visits_the_tray_beside_the_sheet() -> None:
@@ -189,6 +195,8 @@ def test_a_folder_that_is_not_there_is_found_before_anything_is_exported() -> No
         (("--servo", "up"), "--servo is 'up'; it must be two numbers that differ, up and down, as in 30,90"),
         (("--servo", "90,90"), "--servo is '90,90'; it must be two numbers that differ, up and down, as in 30,90"),
         (("--servo", "nan,90"), "--servo is 'nan,90'; it must be two numbers that differ, up and down, as in 30,90"),
+        (("--servo", "-10,90"), "a number of the servo is -10; it must be from 0 to 65535 in G-code"),
+        (("--servo", "30,1e6"), "a number of the servo is 1e+06; it must be from 0 to 65535 in G-code"),
         (("--servo", "30,90", "--format", "hpgl"), "--servo and --dialect are for G-code; leave them out"),
         (("--tray", "t", "--format", "svg"), "SVG is of the sheet alone; leave out --easel, --tray and --speed"),
         (("--easel", "none.json"), "there is no easel none.json; check its name and folder"),

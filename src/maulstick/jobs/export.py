@@ -115,7 +115,8 @@ def _for_machine(plan: Painting, options: ExportOptions) -> Export:
     """Return the files of all formats but SVG. Raises InputError as `exported`."""
     place = read_easel(options.easel) if options.easel is not None else _at_the_origin(plan)
     if options.servo is not None:
-        place = place.model_copy(update={"pen": options.servo})
+        seconds = {} if place.pen is None else {"seconds": place.pen.seconds}
+        place = place.model_copy(update={"pen": options.servo.model_copy(update=seconds)})
     wells = read_tray(options.tray) if options.tray is not None else None
     limits = place.limits or _around(plan, place, wells, options.fastest)
     if place.pen is not None or options.format == "hpgl":

@@ -8,6 +8,7 @@ from typing import Literal
 
 import numpy as np
 
+from maulstick.errors import InputError
 from maulstick.robot.easel import Pen
 from maulstick.robot.limits import Limits
 from maulstick.storage.arrays import Floats
@@ -19,6 +20,7 @@ _MICROMETRES = 1e6  # per metre
 _NEAR = 1e-4  # what a limit, as written, may miss a whole last digit by and still mean it: within the limits' SLACK
 _SLOWEST = 1.0  # mm/min: the least feed written; slower is an error to Grbl
 _STRAIGHT = 1e-12  # metres: least length, so that no division is by zero
+_MOST_SERVO = 65_535  # of 16 bits, in which boards time the pulses of a servo; without an exponent as it is written
 _LONGEST_MESSAGE = 60  # characters, fewer than Marlin keeps of a line
 
 
@@ -27,12 +29,18 @@ class Gcode:
     """Writer of motions within the limits, as lines without line ends; the caller keeps the place of the tip.
 
     pen: servo of the pen; None where it is lifted by height.
-    Each motion raises InputError where it leaves the limits.
+    Raises InputError for a number of the servo that controllers refuse: the pen would stay down. Each motion raises
+    InputError where it leaves the limits.
     """
 
     dialect: Dialect
     limits: Limits
     pen: Pen | None = None
+
+    def __post_init__(self) -> None:
+        for number in () if self.pen is None else (self.pen.up, self.pen.down):
+            if not 0 <= number <= _MOST_SERVO:
+                raise InputError.of_range("a number of the servo", f"{number:g}", f"from 0 to {_MOST_SERVO} in G-code")
 
     def rounded(self, path: Floats) -> Floats:
         """Return the path (..., 3), metres, as it is written, rounded towards the inside at the limits."""
