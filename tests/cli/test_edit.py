@@ -146,8 +146,16 @@ def test_a_drawing_that_does_not_say_how_large_it_is_is_added_with_a_note(folder
     assert notes == [
         "",
         "note: unsized.svg does not say how large it was drawn: its longer side is taken to be 150 mm; "
-        "give it a width and a height in millimetres\n",
+        "say it with maulstick record ink --size, and add that ink\n",
     ]
+    words = ("--size", "120x60mm", "--out", folder / "mine.ink.npz")
+    assert run("record", "ink", folder / "unsized.svg", *words).code == 0
+    ran = run(
+        "edit", folder / "plan" / "painting.json", "--add", f"1:{folder}/mine.ink.npz", "--out", folder / "m.json"
+    )
+    assert (ran.code, ran.stderr) == (0, "")
+    lengths = [read_painting(folder / f"{name}.json").lengths().max() for name in ("unsized", "m")]
+    assert lengths[0] > lengths[1]
 
 
 def test_it_must_be_said_where_to_write(folder: Path) -> None:
