@@ -3,6 +3,7 @@
 Places are written as whole micrometres, rounded so that they stay within the limits.
 """
 
+import re
 from dataclasses import dataclass
 from typing import Literal
 
@@ -21,6 +22,7 @@ _NEAR = 1e-4  # what a limit, as written, may miss a whole last digit by and sti
 _SLOWEST = 1.0  # mm/min: the least feed written; slower is an error to Grbl
 _STRAIGHT = 1e-12  # metres: least length, so that no division is by zero
 _MOST_SERVO = 65_535  # of 16 bits, in which boards time the pulses of a servo; without an exponent as it is written
+_TIME = re.compile(r"([ps])(?= *[-+.\d])", re.IGNORECASE)  # Marlin waits so long, and not for a person: M0 STEP 2
 _LONGEST_MESSAGE = 60  # characters, fewer than Marlin keeps of a line
 
 
@@ -79,7 +81,9 @@ class Gcode:
     def pause(self, message: str) -> list[str]:
         """Pause until the operator lets the machine go on, and show the message."""
         said = "".join(filter(_is_harmless, message))[:_LONGEST_MESSAGE]
-        return [f"M0 {said}"] if self.dialect == "marlin" else [f"({said})", "M0"]
+        if self.dialect == "marlin":
+            return ["M0 " + _TIME.sub(r"\1:", said)]
+        return [f"({said})", "M0"]
 
     def _straight(self, start: Floats, place: Floats, speed: float) -> str:
         step = place - start
@@ -97,8 +101,8 @@ class Gcode:
 
 
 def _is_harmless(letter: str) -> bool:
-    """Return whether a letter neither ends a comment nor is a real-time command of Grbl, as ! and 0x84 are."""
-    return letter.isascii() and letter.isprintable() and letter not in "();?!~"
+    """Return whether a letter neither ends a comment or a line nor is a real-time command of Grbl, as ! and 0x84."""
+    return letter.isascii() and letter.isprintable() and letter not in "();?!~*"
 
 
 def _feed(speed: float) -> float:
