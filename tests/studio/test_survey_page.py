@@ -98,6 +98,12 @@ def test_links_are_copied_or_saved_where_a_browser_lets_the_page_copy_nothing(
     assert (download.value.suggested_filename, download.value.path().read_text()) == ("links.txt", links)
     expect(shown.get_by_text("saved as links.txt instead")).to_be_visible()
 
+    shown.get_by_label("How many people?").fill("3")
+    shown.get_by_role("button", name="Make their links").dblclick()
+    expect(shown.get_by_text("5 links · 0 have begun")).to_be_visible()
+    expect(shown.get_by_role("button", name="Make their links")).to_be_enabled()
+    assert len(Answers(folder).participants()) == 5, "a double click makes them once"
+
 
 def test_what_was_put_together_stays_while_one_looks_at_other_panels(page: Callable[..., Page]) -> None:
     shown = page("/survey")

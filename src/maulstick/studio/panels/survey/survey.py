@@ -21,6 +21,7 @@ from maulstick.survey.answers import Participant
 
 _STYLE = Path(__file__).with_name("survey.css")
 _MOST_SHOWN = 40  # links; all of them can be copied
+_PAUSE = 1.0  # seconds without the button after a click, longer than a double click takes
 _COPY = "try { await navigator.clipboard.writeText(TEXT); return true; } catch { return false; }"
 _LONGEST_COPY = 10.0  # seconds for the page to answer
 _COPIED_LINKS = "links.txt"
@@ -98,7 +99,7 @@ class _Survey:
             with ui.element().classes("line"):
                 self._more = ui.number("How many people?", value=10, min=1, max=1000, precision=0)
                 self._more.props("outlined dense").classes("how-many")
-                ui.button("Make their links", icon="add_link", on_click=self._invite)
+                self._make = ui.button("Make their links", icon="add_link", on_click=self._invite)
                 self._all = ui.button("Copy all links", icon="content_copy", on_click=self._copy_all).props("outline")
                 ui.button("Rename", icon="edit", on_click=self._ask_for_title).props("flat")
                 ui.button("Throw away", icon="delete", on_click=self._throw_away).props("flat")
@@ -166,6 +167,9 @@ class _Survey:
         count = self._more.value
         if not isinstance(count, int | float) or count != int(count):
             raise InputError.of_range("the number of people", count, "a whole number from 1 to 1000")
+        self._make.disable()  # or a double click would make them twice
+        with self._root:
+            ui.timer(_PAUSE, self._make.enable, once=True)
         await self._surveys.invite(self._name, int(count))
         ui.notify("The links are made. Give each to one person.")
 
