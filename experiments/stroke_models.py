@@ -119,7 +119,7 @@ def draw_with(brush: Brush, like: Data, paths: Tensor) -> Tensor:
 def _added(brush: Brush) -> int:
     """How many numbers beyond the paper's seven and the ink differ from their neutral values."""
     neutral = Brush(name=brush.name, source=brush.source, alpha=brush.alpha, beta=brush.beta)
-    known = {"name", "source", "depth", "m_x", "m_y", "b_x", "b_y", "alpha", "beta", "falloff", "opacity"}
+    known = {"name", "source", "depth", "lightest", "m_x", "m_y", "b_x", "b_y", "alpha", "beta", "falloff", "opacity"}
     pairs = [(getattr(brush, name), getattr(neutral, name)) for name in set(Brush.model_fields) - known]
     return sum(np.size(came) for came, plain in pairs if not np.allclose(came, plain, rtol=1e-6, atol=1e-12))
 

@@ -49,6 +49,17 @@ def test_every_script_that_a_document_runs_is_there(document: Path) -> None:
     assert [script for script in scripts if not (ROOT / script).exists()] == []
 
 
+def test_the_page_of_rooms_names_every_file_that_lies_in_one() -> None:
+    rows = re.findall(
+        r"^\| `(\w+)/` \| (.*) \|$", (ROOT / "docs" / "rooms.md").read_text(encoding="utf-8"), re.MULTILINE
+    )
+    said = {room: set(re.findall(r"`(\w+)`", text)) for room, text in rows}
+    files = {path for path in (ROOT / "src" / "maulstick").glob("*/*.py") if path.stem != "__init__"}
+    told_together = {"cli", "plots"}  # one file per command, and per kind of picture
+    others = (path for path in files if path.parent.name not in told_together)
+    assert sorted(f"{path.parent.name}/{path.name}" for path in others if path.stem not in said[path.parent.name]) == []
+
+
 @pytest.mark.parametrize("document", NAMING_CODE, ids=lambda path: path.name)
 def test_every_path_of_code_that_a_document_names_is_there(document: Path) -> None:
     paths = re.findall(r"\b(?:src/maulstick|tests)/[\w./-]*\w", document.read_text(encoding="utf-8"))

@@ -40,7 +40,7 @@ class Remedy(Enum):
     NAME_CAMERA = "name it with camera='usb:0', or 'folder:PATH'"
     LEAVE_OUT_CAMERA = "leave out camera"
     WITHOUT_REPLAN = "go on with replan=0"
-    WITHOUT_DRAWING = "leave out drawing"
+    WITHOUT_DRAWING = "leave out the options of drawings"
     SAME_DRAWING_OR_RESTART = "leave out drawing, or start on a new sheet with restart=True"
     HOLD_PRESSURE = "plan it again with pressure=0.5"
     SLOW_DOWN = "slow all strokes down with speed={speed}"

@@ -6,6 +6,7 @@ import io
 import pkgutil
 import subprocess
 import sys
+import warnings
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -375,9 +376,15 @@ def test_a_brush_is_fitted_to_trials_kept_on_request_and_says_what_it_cannot_tel
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    draw_trials("trials", 12)
-    with pytest.warns(UserWarning, match="strokes"):
+    draw_trials("trials", 6)
+    Path("trials/0001.png").unlink()
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
         brush = ms.fit_brush("trials", "twig", keep=True)
+    said = [str(warning.message) for warning in told]
+    assert [text for text in said if text.startswith("only 5 strokes could be used: ")]
+    (left_out,) = (text for text in said if "left out" in text)
+    assert left_out.startswith("1 of 6 trials are left out: stroke 1: the photograph 0001.png is missing")
     assert (brush.name, ms.load_brush("twig")) == ("twig", brush)
     assert brush.widest > 0
     with pytest.raises(InputError, match="the brush marker comes with Maulstick; choose another name"):
@@ -411,5 +418,7 @@ def test_an_svg_is_read_shown_and_painted(drawing: Path, tmp_path: Path) -> None
     with pytest.raises(InputError, match="sice"):
         ms.read_painting(file, sice=3)
     painting.save(tmp_path / "painting.json")
-    with pytest.raises(InputError, match="is no SVG, and a painting is painted as it was planned; leave out drawing"):
+    with pytest.raises(
+        InputError, match="is no SVG, and a painting is painted as it was planned; leave out the options of drawings"
+    ):
         ms.read_painting(tmp_path / "painting.json", hatch=1e-3)

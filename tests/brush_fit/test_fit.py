@@ -5,7 +5,9 @@ import numpy as np
 import pytest
 from scipy import ndimage
 
+from maulstick.brush_fit import fit as module
 from maulstick.brush_fit.fit import Fit, fit_brush
+from maulstick.brush_fit.selection import bend
 from maulstick.brush_fit.trials import Trial, Trials
 from maulstick.errors import InputError
 from maulstick.painting.brush import CURVE_PRESSURES, Brush
@@ -129,6 +131,13 @@ def test_held_out_strokes_are_shown_with_what_was_predicted(plain: Fit) -> None:
         assert 0.2 * plain.l1 < np.abs(view.after - view.predicted).mean() < 3 * plain.l1
 
 
+def test_strokes_are_shown_from_the_flattest_to_the_most_bent(monkeypatch: pytest.MonkeyPatch) -> None:
+    trials = draw_darkness(MARKER, 7, 1)
+    by_bend = sorted(trials, key=lambda trial: bend(trial.path))
+    monkeypatch.setattr(module, "_VIEWS", 3)
+    assert [view.name for view in fitted(trials).views] == [by_bend[i].name for i in (0, 3, 6)]
+
+
 def test_a_plateau_and_a_nib_are_found(of_nib: Fit) -> None:
     assert sorted(of_nib.kept) == ["nib", "plateau"]
     assert of_nib.l1 < 0.8 * of_nib.l1_paper
@@ -206,3 +215,11 @@ def test_fewer_than_five_strokes_are_refused_with_what_is_wrong_with_the_others(
         fitted(trials)
     with pytest.raises(InputError, match=r"^0 of 0 trials can be used, and 5 are needed: draw more$"):
         fitted([])
+
+
+@pytest.mark.parametrize("dark_first", [True, False])
+def test_photographs_and_darkness_images_are_not_fitted_together(dark_first: bool) -> None:
+    dark, photographs = draw_darkness(MARKER, 3, 1), draw_trials(MARKER, 3, 2)
+    text = "3 trials are darkness images, as stroke 1 is, and 3 are photographs; one fit takes one kind"
+    with pytest.raises(InputError, match=f"^{text}"):
+        fitted([*dark, *photographs] if dark_first else [*photographs, *dark])

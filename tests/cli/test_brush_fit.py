@@ -12,7 +12,7 @@ from PIL import Image
 from maulstick.brush_fit import fit as module
 from maulstick.brush_fit.fit import Fit
 from maulstick.brush_fit.trials import Trials
-from maulstick.painting.brush import Brush, load_brush
+from maulstick.painting.brush import BRUSHES, Brush, load_brush, write_brush
 from maulstick.rendering.traj2stroke import Traj2Stroke, paint
 from tests.cli.conftest import QUICK, run
 from tests.plots.test_brush_fit_plot import a_fit
@@ -150,6 +150,29 @@ def test_a_brush_is_replaced_only_when_told_to(here: Path, fitted: None) -> None
     assert load_brush("twig").source.endswith("in trials")
     assert run("brush", "fit", "others", "--name", "twig", "--overwrite").code == 0
     assert load_brush("twig").source.endswith("in others")
+
+
+def test_a_name_that_is_taken_during_a_fit_stays_who_took_it(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def fit_slowly(*_: object, **__: object) -> Fit:
+        write_brush(MARKER, BRUSHES.own() / "twig.json")
+        return a_fit()
+
+    monkeypatch.setattr(module, "fit_brush", fit_slowly)
+    ran = run("brush", "fit", "trials", "--name", "twig")
+    assert (ran.code, ran.mistake) == (1, "there is a brush twig already; choose another --name, or add --overwrite")
+    assert load_brush("twig") == MARKER
+
+
+def test_a_folder_that_no_brush_can_be_kept_in_is_told_before_the_fit(
+    here: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(module, "fit_brush", lambda *_, **__: pytest.fail("it was fitted"))
+    Path("data").write_bytes(b"before")
+    ran = run("brush", "fit", "trials", "--name", "twig")
+    own = here / "data" / "maulstick" / "brushes"
+    assert ran.code == 1
+    assert ran.mistake == f"cannot write into the folder {own}: Not a directory; make room for it there"
+    assert Path("data").read_bytes() == b"before"
 
 
 def test_ctrl_c_while_fitting_leaves_nothing(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:

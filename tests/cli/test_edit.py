@@ -119,6 +119,45 @@ def test_an_edit_that_cannot_be_made_is_refused(folder: Path, words: tuple[str, 
     assert refusal(folder, *words).startswith(text)
 
 
+@pytest.mark.parametrize(
+    ("out", "text"),
+    [
+        ("edited.svg", "--out is edited.svg; a painting is written as JSON, so let its name end in .json"),
+        ("no/edited.json", "cannot write no/edited.json: its folder does not exist; make the folder first"),
+    ],
+)
+def test_a_painting_is_not_written_where_nobody_reads_it(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, out: str, text: str
+) -> None:
+    monkeypatch.chdir(folder)
+    assert run("edit", "plan/painting.json", "--lock", "all", "--out", out).mistake == text
+    assert not Path(out).exists()
+
+
+def test_a_drawing_that_does_not_say_how_large_it_is_is_added_with_a_note(folder: Path) -> None:
+    drawn = '<svg xmlns="http://www.w3.org/2000/svg" {}><path d="M10 10h90"/></svg>'
+    notes = []
+    for name, size in (("sized", 'width="100mm" height="80mm" viewBox="0 0 100 80"'), ("unsized", "")):
+        (folder / f"{name}.svg").write_text(drawn.format(size))
+        words = ("--add", f"1:{folder / name}.svg", "--out", folder / f"{name}.json")
+        ran = run("edit", folder / "plan" / "painting.json", *words)
+        assert ran.code == 0, ran.stderr
+        notes.append(ran.stderr)
+    assert notes == [
+        "",
+        "note: unsized.svg does not say how large it was drawn: its longer side is taken to be 150 mm; "
+        "say it with maulstick record ink --size, and add that ink\n",
+    ]
+    words = ("--size", "120x60mm", "--out", folder / "mine.ink.npz")
+    assert run("record", "ink", folder / "unsized.svg", *words).code == 0
+    ran = run(
+        "edit", folder / "plan" / "painting.json", "--add", f"1:{folder}/mine.ink.npz", "--out", folder / "m.json"
+    )
+    assert (ran.code, ran.stderr) == (0, "")
+    lengths = [read_painting(folder / f"{name}.json").lengths().max() for name in ("unsized", "m")]
+    assert lengths[0] > lengths[1]
+
+
 def test_it_must_be_said_where_to_write(folder: Path) -> None:
     ran = run("edit", folder / "plan" / "painting.json", "--lock", "1")
     assert ran.mistake == "name the file to write, with --out cat/mine.json"

@@ -9,7 +9,7 @@ from gcodeparser import parse_gcode_lines
 from maulstick.painting.brush import Brush
 from maulstick.painting.painting import Painting
 from maulstick.painting.painting_file import write_painting
-from maulstick.robot.easel import Easel, write_easel
+from maulstick.robot.easel import Easel, Pen, write_easel
 from tests.cli.conftest import run
 from tests.robot.test_export import places_of
 from tests.support.nominal import nominal
@@ -83,6 +83,12 @@ def test_gcode_goes_where_the_easel_says(here: Path) -> None:
     assert places[:, 2].min() == pytest.approx(0.006, abs=GCODE_METRES)
 
 
+def test_a_servo_of_other_numbers_takes_the_time_that_the_easel_says(here: Path) -> None:
+    pen = Pen(up=1, down=2, seconds=0.7)
+    write_easel(Easel(corner=(0, 0.5, 0), right=(1, 0, 0), down=(0, -1, 0), pen=pen), here / "easel.json")
+    assert "M3 S90\nG4 P0.700" in exported("--easel", "easel.json", "--servo", "30,90")
+
+
 def test_gcode_visits_the_tray_beside_the_sheet() -> None:
     Path("tray.json").write_text(json.dumps(TRAY_JSON))
     places = places_of(exported("--tray", "tray.json"))
@@ -91,7 +97,9 @@ def test_gcode_visits_the_tray_beside_the_sheet() -> None:
 
 def test_hpgl_is_in_units_of_a_fortieth_of_a_millimetre_with_a_pen_a_paint() -> None:
     write_painting(SIX, Path("painting.json"))
-    text = exported("--format", "hpgl")
+    ran = run("export", "painting.json", "--format", "hpgl")
+    assert (ran.code, ran.stderr) == (0, "note: pen 1 is marker #cc1a1a, pen 2 is marker #1a33b2\n"), "or nobody knows"
+    text = Path(ran.stdout.rstrip("\n")).read_text()
     rows = re.findall(r"PU(-?\d+,-?\d+);PD([-\d,]+);", text)
     units = [np.array(f"{start},{rest}".split(","), dtype=float).reshape(-1, 2) for start, rest in rows]
     found = {_row(path[0] * 0.025e-3, path[-1] * 0.025e-3) for path in units}
@@ -134,6 +142,20 @@ def test_without_any_depth_gcode_by_height_is_refused() -> None:
     assert "neither the brush marker nor the easel says how deep it may be pressed" in ran.mistake
 
 
+def test_strokes_that_reach_a_millimetre_beyond_the_sheet_are_exported_with_a_note(here: Path) -> None:
+    strokes = [line(0, (-0.001, 0.01), (0.03, 0.01)), line(1, (0.01, HEIGHT + 5e-4), (0.03, HEIGHT))]
+    write_painting(painting_of(strokes, [nominal("fineliner")]), here / "painting.json")
+    for words in (("--servo", "30,90"), ("--format", "hpgl"), ("--format", "json")):
+        ran = run("export", "painting.json", *words)
+        assert ran.code == 0, ran.stderr
+        assert "note: strokes reach up to 1 mm beyond the sheet; let the machine have so much room" in ran.stderr
+    text = Path("painting.plot.gcode").read_text()
+    assert "X-1.000" in text
+    assert "Y-0.500" in text
+    write_painting(painting_of(strokes[1:], [nominal("fineliner")], (0.06, HEIGHT + 5e-4)), here / "inside.json")
+    assert run("export", "inside.json", "--servo", "30,90").stderr == ""
+
+
 def test_nothing_is_overwritten_unless_it_is_asked_for() -> None:
     Path("there.gcode").write_text("mine")
     ran = run("export", "painting.json", "--out", "there.gcode")
@@ -144,6 +166,27 @@ def test_nothing_is_overwritten_unless_it_is_asked_for() -> None:
     assert exported("--out", "there.gcode", "--overwrite").startswith("G21")
 
 
+def test_what_is_exported_is_not_written_over(here: Path) -> None:
+    Path("drawing.svg").write_text(exported("--format", "svg"))
+    before = {file: Path(file).read_bytes() for file in ("painting.json", "drawing.svg")}
+    for file, format in (("painting.json", "gcode"), ("drawing.svg", "svg")):
+        ran = run("export", file, "--format", format, "--out", here / file, "--overwrite")
+        assert ran.mistake == f"--out is {here / file}, the painting itself; choose another --out"
+    Path("drawing.svg").rename("drawing-2.svg")
+    ran = run("export", "drawing-2.svg", "--format", "svg", "--per-pen", "--out", "drawing.svg", "--overwrite")
+    assert "--out is drawing-2.svg, the painting itself; choose another --out" in ran.stderr
+    assert before == {
+        "painting.json": Path("painting.json").read_bytes(),
+        "drawing.svg": Path("drawing-2.svg").read_bytes(),
+    }
+
+
+def test_a_folder_that_is_not_there_is_found_before_anything_is_exported() -> None:
+    Path("painting.json").write_text("broken")
+    ran = run("export", "painting.json", "--out", "no/painting.gcode")
+    assert ran.mistake == "cannot write no/painting.gcode: its folder does not exist; make the folder first"
+
+
 @pytest.mark.parametrize(
     ("words", "text"),
     [
@@ -152,6 +195,8 @@ def test_nothing_is_overwritten_unless_it_is_asked_for() -> None:
         (("--servo", "up"), "--servo is 'up'; it must be two numbers that differ, up and down, as in 30,90"),
         (("--servo", "90,90"), "--servo is '90,90'; it must be two numbers that differ, up and down, as in 30,90"),
         (("--servo", "nan,90"), "--servo is 'nan,90'; it must be two numbers that differ, up and down, as in 30,90"),
+        (("--servo", "-10,90"), "a number of the servo is -10; it must be from 0 to 65535 in G-code"),
+        (("--servo", "30,1e6"), "a number of the servo is 1e+06; it must be from 0 to 65535 in G-code"),
         (("--servo", "30,90", "--format", "hpgl"), "--servo and --dialect are for G-code; leave them out"),
         (("--tray", "t", "--format", "svg"), "SVG is of the sheet alone; leave out --easel, --tray and --speed"),
         (("--easel", "none.json"), "there is no easel none.json; check its name and folder"),
@@ -209,7 +254,8 @@ def test_hpgl_of_more_paints_than_pens_is_a_file_per_load(here: Path) -> None:
     ], "or somebody plots it"
     ran = run("export", "painting.json", "--format", "hpgl", "--carousel", "8", "--overwrite")
     assert ran.stderr.count("is of an earlier export") == 3
-    assert "VS" not in exported("--format", "hpgl", "--out", "alone.hpgl"), "the plotter's own speed"
+    assert run("export", "painting.json", "--format", "hpgl", "--out", "alone.hpgl").code == 0
+    assert "VS" not in Path("alone.hpgl").read_text(), "the plotter's own speed"
 
 
 def test_an_svg_per_pen_holds_the_strokes_of_that_pen_alone(here: Path) -> None:

@@ -11,6 +11,7 @@ from skimage.data import astronaut
 
 from maulstick.jobs.plan import checkpoints
 from maulstick.jobs.plan.window_pool import _Worker
+from maulstick.painting.brush import load_brush
 from maulstick.planning.mural.planner import plan_mural
 from maulstick.planning.mural.window import Window
 from tests.cli.conftest import RESULTS, Running, contents, paint, run
@@ -87,6 +88,12 @@ def test_a_mural_that_is_stopped_has_results_and_goes_on_as_if_it_had_not(pictur
     resumed = contents(out)
     assert resumed == contents(tmp_path / "whole")
     assert resumed["painting.json"] != hurried["painting.json"]
+
+
+def test_how_pale_lines_are_planned_is_said_of_the_windows_not_of_the_whole(picture: Path, tmp_path: Path) -> None:
+    ran = paint(tmp_path / "out", *STRIP, "--workers", "1", photo=picture)
+    thinnest = load_brush("fineliner").thinnest * 24 / 0.03
+    assert f"the thinnest mark of the brush fineliner is {thinnest:.2f} pixels in half-width at this" in ran.stderr
 
 
 @pytest.mark.parametrize(

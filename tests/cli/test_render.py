@@ -77,6 +77,15 @@ def test_a_file_that_is_no_painting_is_refused(painting: Path) -> None:
     assert run("render", missing).mistake == f"there is no painting {missing}; check its name and folder"
 
 
+@pytest.mark.parametrize("command", ["render", "show", "export"])
+def test_the_folder_itself_is_refused_by_every_name_of_it(
+    painting: Path, monkeypatch: pytest.MonkeyPatch, command: str
+) -> None:
+    monkeypatch.chdir(painting.parent)
+    for name in (".", "/", "..", ""):
+        assert " is a folder; name " in run(command, name).mistake
+
+
 def test_an_image_goes_into_a_file_that_ends_in_png(painting: Path) -> None:
     image = painting.with_name("image.jpg")
     ran = run("render", painting, "--out", image)
@@ -84,7 +93,10 @@ def test_an_image_goes_into_a_file_that_ends_in_png(painting: Path) -> None:
     assert ran.mistake == f"--out is {image}; an image is written as PNG, so let its name end in .png"
 
 
-def test_a_folder_that_is_not_there_is_not_made(painting: Path) -> None:
+def test_a_folder_that_is_not_there_is_not_made_and_nothing_is_drawn_for_it(
+    painting: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(preview, "preview", None)  # to call it would be a traceback
     image = painting.parent / "none" / "image.png"
     ran = run("render", painting, "--px", "40", "--out", image)
     assert ran.code == 1

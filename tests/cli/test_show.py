@@ -119,7 +119,8 @@ def test_a_file_with_a_fault_is_refused_by_what_it_is(tmp_path: Path) -> None:
     assert run("show", missing).mistake == f"there is no file {missing}; check its name and folder"
 
 
-def test_a_folder_that_is_not_there_is_not_made(ink: Path) -> None:
+def test_a_folder_that_is_not_there_is_not_made_and_nothing_is_read_for_it(ink: Path) -> None:
+    ink.write_bytes(b"")
     picture = ink.parent / "none" / "cat.png"
     ran = run("show", ink, "--out", picture)
     assert ran.code == 1

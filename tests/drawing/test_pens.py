@@ -82,6 +82,44 @@ def test_groups_that_nobody_named_or_that_are_very_many_are_no_pens(read: Read) 
     assert labels(read("".join(f'<g id="g{x}">{path(x)}</g>' for x in range(50)))) == ["#000000"]
 
 
+@pytest.mark.parametrize(
+    "colour",
+    [
+        "#f00", "red", "rgb(255,0,0)", "RGB( 255 , 0, 0 )", "rgb(255 0 0)", "rgb(255 0 0 / 50%)", "rgb(254.9,0.2,0)",
+        "rgb(100% 0% 0%)", "rgba(255,0,0,.5)", "hsl(0,100%,50%)", "hsl(0deg 100% 50%)", "#ff0000 icc-color(a,1)",
+        "url(#gradient) rgb(255 0 0)",
+    ],
+)  # fmt: skip
+def test_a_colour_is_the_same_in_all_forms_that_programs_write(read: Read, colour: str) -> None:
+    drawing = read(f'<path stroke="{colour}" d="M0 9h9"/>')
+    assert (drawing.painting.paints[0].hex, drawing.notes) == ("#ff0000", ())
+
+
+@pytest.mark.parametrize("colour", ["rgb(255 0 0 / 0%)", "rgba(255,0,0,0)", "#f000", "hsl(0 100% 50% / 0)"])
+def test_a_colour_that_nobody_sees_is_none(read: Read, colour: str) -> None:
+    assert read(f'<path stroke="{colour}" fill="blue" d="M0 9h9"/>').painting.paints[0].hex == "#0000ff"
+
+
+@pytest.mark.parametrize("colour", ["black", "#000", "rgb(0 0 0)", "url(#gradient)", "currentColor"])
+def test_black_is_no_colour_that_is_not_known(read: Read, colour: str) -> None:
+    drawing = read(f'<path stroke="{colour}" d="M0 9h9"/>')
+    assert (drawing.painting.paints[0].hex, drawing.notes) == ("#000000", ())
+
+
+def test_a_colour_of_a_form_that_is_not_read_is_black_and_a_note_names_it(read: Read) -> None:
+    lines = ("stroke", "red"), ("stroke", "oklch(60% 0.2 30)"), ("fill", "hwb(0 0% 0%)")
+    hidden = (
+        '<clipPath id="c"><path fill="var(--hue)" d="M0 0h90v90z"/></clipPath><path clip-path="url(#c)" d="M0 5h9"/>'
+    )
+    assert read(hidden).notes == ()
+    drawing = read("".join(f'<path {name}="{value}" d="M0 {9 * i}h9"/>' for i, (name, value) in enumerate(lines)))
+    assert [paint.hex for paint in drawing.painting.paints] == ["#ff0000", "#000000"]
+    assert drawing.notes == (
+        "the colour 'oklch(60% 0.2 30)' is taken for black, as all are but #rrggbb, rgb(), hsl() and names; "
+        "write it as #rrggbb",
+    )
+
+
 def test_without_groups_colours_are_pens(read: Read) -> None:
     drawing = read(
         f'<g id="all">{path(1, "red")}{path(2)}{path(3, "#F00")}<rect width="9" height="9" fill="blue"/></g>'

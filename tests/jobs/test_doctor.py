@@ -8,6 +8,7 @@ import tomllib
 import webbrowser
 from collections.abc import Iterator
 from importlib.metadata import version
+from itertools import chain
 from pathlib import Path
 from types import SimpleNamespace
 from typing import NoReturn
@@ -17,7 +18,7 @@ from serial.tools import list_ports
 
 from maulstick.errors import how_to_add
 from maulstick.jobs import doctor
-from maulstick.jobs.doctor import EXTRAS, Finding, State, findings
+from maulstick.jobs.doctor import EXTRAS, NATIVE, NATIVE_PLANNER, Finding, State, findings
 from maulstick.jobs.plan import device
 from maulstick.painting.brush import BRUSHES
 
@@ -59,6 +60,25 @@ def test_the_extras_are_those_of_the_package() -> None:
     assert {name: extra.package for name, extra in EXTRAS.items()} == packages
 
 
+def test_the_native_modules_are_all_that_are_compiled() -> None:
+    folders = ROOT / "src" / "maulstick"
+    compiled = {path.with_suffix("").relative_to(folders) for path in folders.rglob("_*.cpp")}
+    compiled.add(Path("rendering/kernels/_cpu"))
+    assert sorted([*chain(*NATIVE.values()), *NATIVE_PLANNER]) == sorted(".".join(path.parts) for path in compiled)
+
+
+@pytest.mark.parametrize(
+    ("name", "module"), [("native styles", "style._shape"), ("native planner", "planning.objectives._edges")]
+)
+def test_a_native_module_that_was_not_built_is_told(
+    devices: Path, monkeypatch: pytest.MonkeyPatch, name: str, module: str
+) -> None:
+    monkeypatch.setitem(sys.modules, f"maulstick.{module}", None)
+    there = found()[name]
+    assert there.state == State.MISSING
+    assert there.note.endswith("install it again, in its source: pip install --force-reinstall .")
+
+
 def test_what_is_installed_has_a_version(devices: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))  # other tests keep brushes of their own
     there = found()
@@ -68,7 +88,7 @@ def test_what_is_installed_has_a_version(devices: Path, tmp_path: Path, monkeypa
     studio = there["the studio and surveys [studio]"]
     assert studio == Finding(studio.name, State.INSTALLED, f"nicegui {version('nicegui')}")
     assert there["own brushes"] == Finding("own brushes", State.WORKS, f"0 in {BRUSHES.own()}")
-    assert len(there) == len(EXTRAS) + 13
+    assert len(there) == len(EXTRAS) + 15
 
 
 def test_what_is_missing_is_told_with_what_to_do_and_is_no_error(

@@ -9,12 +9,13 @@ import pytest
 import torch
 
 from maulstick.errors import InputError, OutputError
+from maulstick.jobs.plan import window_pool
+from maulstick.jobs.plan.request import MOST_WORKERS
 from maulstick.jobs.plan.window_pool import WindowPool, windows_at_once, workers_for
 from maulstick.planning.losses import LossOptions
 from maulstick.planning.mural.window import in_turn
 from maulstick.planning.result import PlanProgress, PlanResult
 from maulstick.planning.state import State
-from maulstick.rendering.kernels.cpu import THREADS
 from tests.support.planning.same import same
 from tests.support.planning.strip import SETTINGS, TONE, WIDTH, plan_strip
 from tests.support.studio.processes import have_ended
@@ -55,9 +56,13 @@ def test_one_worker_is_this_process() -> None:
         assert plan_windows is in_turn
 
 
-def test_there_is_a_worker_per_core_unless_others_are_wanted_and_a_gpu_has_one() -> None:
+def test_there_is_a_worker_per_core_unless_others_are_wanted_and_a_gpu_has_one(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     cpu, gpu = torch.device("cpu"), torch.device("cuda")
-    assert workers_for(None, cpu, has_windows=True) == THREADS
+    for cores, workers in ((1, 1), (MOST_WORKERS, MOST_WORKERS), (128, MOST_WORKERS)):
+        monkeypatch.setattr(window_pool, "THREADS", cores)
+        assert workers_for(None, cpu, has_windows=True) == workers
     assert workers_for(3, cpu, has_windows=True) == 3
     assert workers_for(None, gpu, has_windows=True) == workers_for(1, gpu, has_windows=True) == 1
     with pytest.raises(InputError, match="workers is 2, and a GPU plans one window at a time; leave it out"):

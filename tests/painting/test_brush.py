@@ -193,6 +193,10 @@ def test_an_unknown_brush_is_refused_with_the_brushes_there_are(own: Path) -> No
         ({"beta": float("nan")}, "beta: Input should be a finite number (got nan)"),
         ({"m_x": 0}, "m_x: Input should be greater than 0 (got 0)"),
         ({"beta": -0.002}, "alpha + beta is the half-width of the deepest stroke and must be above 0"),
+        (
+            {"alpha": 1.5, "beta": 0.5},
+            "alpha + beta is 2 metres; it must be at most 0.1, so divide millimetres by 1000",
+        ),
         ({"hairs": 7}, "hairs: Extra inputs are not permitted (got 7)"),
         ({"name": ""}, "name: String should have at least 1 character (got '')"),
         ({"depth": [0, "deep"]}, "depth[1]: Input should be a valid number"),

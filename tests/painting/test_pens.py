@@ -60,6 +60,16 @@ def test_a_fitted_brush_of_constant_width_is_a_pen_and_another_is_none() -> None
         load_pen_brush("round")
 
 
+def test_a_fitted_pen_comes_before_that_of_its_name_in_the_catalogue_and_has_its_colour() -> None:
+    path, fitted = BRUSHES.own() / "micron-01.json", Brush(name="micron-01", source="photographs", alpha=0, beta=3e-4)
+    write_brush(fitted, path)
+    assert load_pen_brush("micron-01") == (fitted, "#000000")
+    assert load_brush("micron-01") == fitted
+    write_brush(fitted.model_copy(update={"alpha": 1e-4}), path)
+    with pytest.raises(InputError, match="the width of the brush micron-01 varies with pressure, so it is no pen"):
+        load_pen_brush("micron-01")
+
+
 @pytest.mark.parametrize(
     ("content", "text"),
     [

@@ -144,3 +144,13 @@ def test_an_edit_is_the_same_after_it_was_written_and_read(edit: StrokeEdit) -> 
 def test_an_edit_that_cannot_be_made_is_refused(edit: StrokeEdit, text: str) -> None:
     with pytest.raises(InputError, match=text):
         edited(a_painting(), [edit])
+
+
+def test_metrics_stay_only_while_the_same_is_painted() -> None:
+    before = a_painting()
+    before = before.model_copy(update={"provenance": Provenance(version="1", seed=3, metrics={"psnr": 20.0})})
+    same = edited(before, [LockStrokes(strokes=(1,)), UnlockStrokes(strokes=(1,))])
+    assert same.provenance == before.provenance
+    assert edited(before, []).provenance == before.provenance
+    changed = edited(before, [RemoveStrokes(strokes=(1,)), LockStrokes(strokes=(2,))])
+    assert changed.provenance == Provenance(version="1", seed=3)

@@ -1,3 +1,4 @@
+import struct
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -7,14 +8,15 @@ import pytest
 import torch
 
 from maulstick.errors import InputError
+from maulstick.jobs.plan.request import MOST_WORKERS
 from maulstick.painting.brush import Brush
 from maulstick.planning.initialise import Initialiser
 from maulstick.planning.planner import plan
 from maulstick.planning.problem import PlannerSettings, PlanningProblem, Weighted
 from maulstick.planning.result import PlanProgress, PlanResult
-from maulstick.planning.state import KIND, State, read_state, set_back, write_state
+from maulstick.planning.state import _LARGEST, KIND, State, read_state, set_back, write_state
 from maulstick.storage.arrays import Image as Picture
-from maulstick.storage.arrays import write_arrays
+from maulstick.storage.arrays import read_arrays, write_arrays
 from tests.planning.conftest import options, problem_for
 from tests.support.planning.network_losses import Shifted
 
@@ -146,3 +148,16 @@ def test_a_state_of_another_plan_is_refused_and_one_s_own_is_not_changed(problem
         plan(problem, options(steps=20, strokes=29), resume=states[15])
     with pytest.raises(InputError, match="is no plan of the same request; plan anew"):
         plan(problem, settings, resume={"progress": states[15]["progress"]})
+
+
+def test_what_windows_in_work_keep_may_be_larger_than_other_files_but_not_any_size(tmp_path: Path) -> None:
+    path = tmp_path / "plan.npz"
+    write_state(path, {"slope": np.zeros(8)}, {})
+    content = bytearray(path.read_bytes())
+    place = content.index(b"PK\x01\x02", content.index(b"slope.npy", content.index(b"PK\x01\x02")) - 46)
+    content[place + 24 : place + 28] = struct.pack("<I", 3 * 2**30)  # the size that the directory states
+    path.write_bytes(content)
+    assert read_state(path)[0]["slope"].tolist() == [0.0] * 8
+    with pytest.raises(InputError, match="unpacks to 3072 MiB; no leaves is that large"):
+        read_arrays(path, "leaves")
+    assert 2**31 < 2 * 3 * 4 * 6144**2 * MOST_WORKERS < _LARGEST

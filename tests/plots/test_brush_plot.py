@@ -25,6 +25,7 @@ FULL = {
     "touch": (1e-3, -2e-3),
     "faint": 0.6,
     "solid": 0.8,
+    "lightest": 0.05,
 }
 
 
@@ -102,6 +103,7 @@ def test_only_numbers_beyond_the_paper_that_do_anything_are_told(monkeypatch: py
         "1, -2 mm",
         "0.6",
         "0.8",
+        "0.05",
     } <= {*told}
 
 

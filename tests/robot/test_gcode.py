@@ -86,6 +86,14 @@ def test_a_pause_tells_why_in_each_dialect() -> None:
     assert Gcode("marlin", LIMITS).pause(message) == ["M0 take the redpen 2 then go on"]
 
 
+@pytest.mark.parametrize("name", ["STEP 2", "PASS 1 red", "S2", "stripes -3", "P .5", "P+1"])
+def test_a_name_is_no_time_that_marlin_waits_instead_of_for_a_person(name: str) -> None:
+    """Its parser takes a letter and a number after it, with or without spaces, for a parameter: M0 P and S end."""
+    (line,) = Gcode("marlin", LIMITS).pause(f"put in the pen with the paint {name} #cc1a1a")
+    assert re.search(r"[PS] *[-+.]?\d", line, re.IGNORECASE) is None
+    assert line.replace(":", "").endswith(f"the paint {name} #cc1a1a")
+
+
 def test_no_letter_of_a_message_is_a_command() -> None:
     every = "".join(map(chr, range(0x250)))
     for start in range(0, len(every), 50):

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from maulstick.drawing.options import DrawingOptions
 from maulstick.errors import InputError
 from maulstick.jobs.paint.options import PaintOptions
 from maulstick.robot.easel import read_easel
@@ -14,8 +15,10 @@ from maulstick.studio.state.by_hand import ByHand
 from maulstick.studio.state.easels import Easels
 from maulstick.studio.state.folder import Folder
 from maulstick.studio.workers.by_hand import Deed, Jog, SetServo, Word
+from maulstick.studio.workers.svg_work import read_svg
 from tests.support.robot.fake_ebb import FakeEbb
 from tests.support.robot.fake_grbl import FakeGrbl
+from tests.support.studio.drawings import BOAT
 from tests.support.studio.plans_to_paint import put_plan
 
 pytestmark = pytest.mark.usefixtures("data")
@@ -74,6 +77,22 @@ def test_a_machine_is_moved_around_its_sheet_draws_a_square_and_is_let_go(tmp_pa
         up = {(round(x), round(y)) for x, y, z, _ in device.reached if z > 0}
     assert down >= {(10, 5), (30, 5), (30, 25), (10, 25)}
     assert up >= {(0, 0), (60, 0), (60, 40), (0, 40)}
+
+
+def test_it_goes_around_the_sheet_that_a_drawing_is_read_for(tmp_path: Path) -> None:
+    drawing = tmp_path / "studio" / "drawings" / "boat" / "drawing.svg"
+    drawing.parent.mkdir(parents=True)
+    drawing.write_text(BOAT)
+    read_svg(drawing, "boat", DrawingOptions(size=(0.09, 0.06)))
+
+    async def set_up() -> None:
+        async with in_hand(tmp_path / "studio", device, drawing) as hand:
+            await do(hand, Deed.OUTLINE)
+
+    with FakeGrbl(pace=1000.0) as device:
+        run(set_up)
+        corners = {(round(x), round(y)) for x, y, *_ in device.reached}
+    assert corners >= {(0, 0), (90, 0), (90, 60), (0, 60)}
 
 
 def test_what_cannot_be_done_is_said_and_the_next_word_works(tmp_path: Path) -> None:

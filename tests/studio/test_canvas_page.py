@@ -217,6 +217,19 @@ def test_what_is_typed_of_a_region_stays_while_another_page_acts_and_what_cannot
     expect(size).to_have_value("1")
 
 
+def test_an_error_lies_above_the_sheet(page: Callable[..., Page]) -> None:
+    tab, view = opened(page, "Region")
+    tab.evaluate(
+        """() => { point("pointerdown", 10, 10); point("pointermove", 40, 10); point("pointerup", 40, 10); }"""
+    )
+    error = tab.locator(".q-notification")
+    expect(error).to_contain_text("There is no area in that")
+    lies, sheet = error.bounding_box(), view.bounding_box()
+    assert lies is not None
+    assert sheet is not None
+    assert lies["y"] + lies["height"] <= sheet["y"]
+
+
 def test_a_double_click_makes_one_version(studio: RunningStudio, page: Callable[..., Page]) -> None:
     tab, _ = opened(page)
     tab.get_by_role("button", name="Keep as a version").dblclick()

@@ -18,6 +18,7 @@ from maulstick.recording.files.ink_files import read_ink_file
 from maulstick.strokes.ink import Ink, read_ink, write_ink
 from maulstick.studio.state.drawing import USUAL_SHEET, Drawing
 from maulstick.studio.state.folder import Folder
+from maulstick.studio.state.hands import Hands
 from maulstick.studio.workers.desk import Desk
 from maulstick.studio.workers.drawn_sheet import MOST_OF_A_STROKE, DrawnStroke, read_sheet, sheet_json
 from maulstick.studio.workers.hand_work import DRAWING, INK, PICTURE, keep_drawing, learn, take_in
@@ -308,6 +309,46 @@ def test_a_recording_becomes_a_hand_and_a_broken_one_leaves_nothing(folder: Fold
         assert sentence in str(refused.value)
         assert str(tmp_path) not in str(refused.value)
     assert folder.names("hands") == ["cat", "dog"]
+
+
+def test_recordings_of_one_name_that_come_at_once_are_two_hands(folder: Folder, tmp_path: Path) -> None:
+    (file := tmp_path / ".incoming").write_text('<svg xmlns="http://www.w3.org/2000/svg"><path d="M1 1L9 9"/></svg>')
+
+    async def work(drawing: Drawing) -> None:
+        await asyncio.gather(*(drawing.hands.take_in(file, "cat.svg", None) for _ in range(2)))
+
+    hands = at_the_desk(folder, work).hands
+    assert hands.titles() == {"cat": "cat", "cat-2": "cat 2"}
+
+
+def test_what_is_drawn_stays_where_its_hand_is_opened_twice_at_once(folder: Folder) -> None:
+    drawn(folder, 3)
+
+    async def work(drawing: Drawing) -> None:
+        await drawing.begin(A6)
+        new = iter([2000])
+        drawing.renewed.subscribe(lambda: [drawing.add(id, LINE) for id in new])  # once it lies there, and once alone
+        await asyncio.gather(drawing.open("my-hand"), drawing.open("my-hand"))
+
+    assert len(at_the_desk(folder, work).strokes) == 4
+
+
+@pytest.mark.parametrize(
+    ("size", "notes"),
+    [
+        ("", ("cat.svg does not say how large it was drawn: its longer side is taken to be 150 mm",)),
+        ('width="5cm" height="5cm"', ()),
+    ],
+)
+def test_the_card_of_a_recording_says_where_its_scale_is_not_known(
+    folder: Folder, tmp_path: Path, size: str, notes: tuple[str, ...]
+) -> None:
+    file = tmp_path / ".incoming"
+    file.write_text(f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 50 50" {size}><path d="M1 1L9 9"/></svg>')
+    take_in(file, "cat.svg", None, folder.of("hands", "cat"))
+    card = Hands(folder, Desk()).card("cat")
+    assert card is not None
+    assert card.notes == notes
 
 
 def test_a_web_pages_drawing_can_be_drawn_on_where_it_fits_the_sheet(folder: Folder, tmp_path: Path) -> None:

@@ -9,7 +9,7 @@ from playwright.sync_api import Locator, Page, expect
 from maulstick.robot.journal import Journal, journal_of
 from tests.studio.conftest import RunningStudio
 from tests.studio.test_painting_in_the_studio import QUICK, wait_until_nobody_paints
-from tests.support.studio.drawings import BOAT, COMB, ROWS, WITH_TEXT
+from tests.support.studio.drawings import BOAT, COMB, ROWS, WITH_TEXT, svg
 
 DROP = """([content, name]) => {
   const dataTransfer = new DataTransfer();
@@ -71,6 +71,20 @@ def test_a_drawing_is_brought_read_with_hatches_thrown_away_taken_back_and_paint
     expect(theirs.locator(".outcome")).to_have_text("My Boat is painted.")
     expect(theirs.get_by_alt_text("The sheet as it was last seen")).to_be_visible()
     expect(mine.get_by_text("All 2 strokes are painted.")).to_be_visible()
+
+
+def test_a_drawing_that_is_brought_again_has_pens_of_its_own(page: Callable[..., Page], tmp_path: Path) -> None:
+    tab = page("/paint")
+    for colour, word in (("#d02020", "red"), ("#2040c0", "blue")):
+        pens = (f'<path d="M 5 {y} H 40" fill="none" stroke="{pen}"/>' for y, pen in ((5, "#000"), (15, colour)))
+        bring(tab, tmp_path, "pens.svg", svg("".join(pens)))
+        expect(card(tab, "pens")).to_be_visible()
+        choose(tab, "Machine", "Simulated easel, pens put in by you")
+        tab.get_by_role("button", name="Start painting").click()
+        expect(tab.locator(".next")).to_have_text(f"Next: paint 2 ({word})")
+        tab.get_by_role("button", name="STOP").click()
+        card(tab, "pens").get_by_role("button", name="Throw pens away").click()
+        expect(card(tab, "pens")).to_have_count(0)
 
 
 def test_a_drawing_goes_on_after_the_studio_was_killed(

@@ -39,7 +39,7 @@ def test_the_tab_says_how_far_it_is_at_any_panel_and_a_new_plan_comes_into_view(
     tab.get_by_role("button", name="Plan it").click()
     new = tab.get_by_role("article", name="Plan portrait")
     expect(new.get_by_role("heading", name="portrait")).to_be_in_viewport()
-    expect(tab).to_have_title(re.compile(r"^\d+% portrait · Maulstick$"))
+    expect(tab).to_have_title(re.compile(r"^\d+% Portrait · Maulstick$"))
     new.get_by_role("button", name="Stop and keep").click()
 
 

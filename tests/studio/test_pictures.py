@@ -17,8 +17,9 @@ from PIL import Image
 from maulstick.errors import InputError, OutputError
 from maulstick.jobs.plan.request import demo_picture
 from maulstick.studio.state.folder import Folder
-from maulstick.studio.state.gallery import keep_picture, picture_of
+from maulstick.studio.state.gallery import Gallery, keep_picture, picture_of
 from maulstick.studio.widgets.uploading import incoming
+from maulstick.studio.workers.desk import Desk
 
 
 def png(width: int, height: int, *chunks: tuple[bytes, bytes], pixels: bytes | None = None) -> bytes:
@@ -109,6 +110,19 @@ def test_of_two_pictures_that_come_at_once_under_one_name_the_first_stays_whole(
         keep_picture(tmp_path / "brought", tmp_path / "kept")
     assert picture_of(tmp_path / "kept").read_bytes() == before
     assert sorted(path.name for path in tmp_path.iterdir()) == ["brought", "kept"]
+
+
+def test_the_example_picture_comes_once_however_often_it_is_asked_for(tmp_path: Path) -> None:
+    async def ask(folder: Folder) -> list[str]:
+        gallery = Gallery(folder, desk := Desk())
+        try:
+            return await asyncio.gather(gallery.keep_portrait(), gallery.keep_portrait())
+        finally:
+            desk.close()
+
+    with Folder.opened(tmp_path / "studio") as folder:
+        assert asyncio.run(ask(folder)) == ["portrait", "portrait"]
+        assert folder.names("pictures") == ["portrait"]
 
 
 def test_a_full_disk_is_told_in_a_sentence_while_a_picture_comes_and_while_it_is_kept(tmp_path: Path) -> None:

@@ -9,6 +9,7 @@ from maulstick.jobs.paint.options import PaintOptions
 from maulstick.jobs.paint.turns import Turn, in_minutes
 from maulstick.robot.easel import Easel, Pen, write_easel
 from maulstick.studio.state.run import Run
+from maulstick.studio.workers.plan_pictures import rehearsed_sheet
 from tests.studio.test_run import events, opened, outcome
 from tests.support.robot.fake_grbl import FakeGrbl
 from tests.support.robot.small_paintings import SIX, line, painting_of
@@ -66,6 +67,23 @@ def test_the_easel_asks_for_pens_as_the_plotter_it_stands_for_and_nothing_has_to
     ]
     with FakeGrbl(pace=100.0) as device:
         assert paint(tmp_path, "real", PaintOptions(robot=f"grbl:{device.port}", easel=plotter)) == asked
+
+
+def test_the_picture_of_a_rehearsal_stays_until_a_real_machine_is_there(tmp_path: Path, plotter: Path) -> None:
+    painting = put_plan(tmp_path, "rehearsed", SIX)
+    paint(tmp_path, "rehearsed", PaintOptions(robot="sim"))
+
+    async def begin(port: str) -> str:
+        async with opened(tmp_path) as run:
+            await run.begin("rehearsed", PaintOptions(robot=f"grbl:{port}", easel=plotter))
+            await answered(run)
+            return run.state.sentence
+
+    assert "is it plugged in" in asyncio.run(begin("/dev/ttyNONE"))
+    assert rehearsed_sheet(painting).is_file()
+    with FakeGrbl(pace=1000.0) as device:
+        assert asyncio.run(begin(device.port)) == "rehearsed is painted."
+    assert not rehearsed_sheet(painting).is_file()
 
 
 def test_the_easel_with_a_tray_asks_for_nothing_and_nothing_has_to_be_mixed(tmp_path: Path) -> None:

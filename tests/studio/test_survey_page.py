@@ -7,6 +7,8 @@ import pytest
 from PIL import Image
 from playwright.sync_api import Browser, Page, expect
 
+from maulstick.survey.answers import Answers
+from maulstick.survey.questionnaire import Match, SurveyHand, build
 from tests.studio.conftest import RunningStudio, patient
 
 
@@ -72,6 +74,35 @@ def test_a_survey_is_built_answered_by_two_and_told(
     shown.get_by_role("button", name="Undo").click()
     shown.get_by_role("button", name="Whose <strokes>?").click()
     expect(shown.get_by_text("2 links · 2 have begun · 2 have finished")).to_be_visible()
+
+
+def test_links_are_copied_or_saved_where_a_browser_lets_the_page_copy_nothing(
+    studio: RunningStudio, page: Callable[..., Page], brought: list[Path]
+) -> None:
+    ann, bo, as_ann, as_bo = brought
+    hands = (
+        SurveyHand(name="Ann", by_hand=ann, by_machine=(as_ann,)),
+        SurveyHand(name="Bo", by_hand=bo, by_machine=(as_bo,)),
+    )
+    build(folder := studio.folder / "surveys" / "whose", "Whose?", Match(hands=hands), None)
+    tokens = Answers(folder).mint(2)
+    links = "\n".join(f"{studio.url}/survey/whose/{token}" for token in tokens)
+    shown = page("/survey", permissions=["clipboard-read", "clipboard-write"])
+    shown.get_by_role("button", name="Copy all links").click()
+    expect(shown.get_by_text("Copied, one per line: 2.")).to_be_visible()
+    assert shown.evaluate("navigator.clipboard.readText()") == links
+
+    shown.evaluate("Object.defineProperty(navigator, 'clipboard', { value: undefined })")  # as over plain HTTP
+    with shown.expect_download() as download:
+        shown.get_by_role("button", name="Copy all links").click()
+    assert (download.value.suggested_filename, download.value.path().read_text()) == ("links.txt", links)
+    expect(shown.get_by_text("saved as links.txt instead")).to_be_visible()
+
+    shown.get_by_label("How many people?").fill("3")
+    shown.get_by_role("button", name="Make their links").dblclick()
+    expect(shown.get_by_text("5 links · 0 have begun")).to_be_visible()
+    expect(shown.get_by_role("button", name="Make their links")).to_be_enabled()
+    assert len(Answers(folder).participants()) == 5, "a double click makes them once"
 
 
 def test_what_was_put_together_stays_while_one_looks_at_other_panels(page: Callable[..., Page]) -> None:

@@ -18,15 +18,17 @@ LONG = "see that the pen stands 10 mm from the left and 20 mm from the upper edg
     ("state", "phase", "title"),
     [
         (State(), Phase.PLANNED, ""),
-        (State(), Phase.PLANNING, "37% cat"),
-        (State("painting", "dog", progress=HALF), Phase.PLANNING, "50% dog"),
-        (State("starting", "dog"), Phase.PLANNED, "0% dog"),
+        (State(), Phase.PLANNING, "37% The cat"),
+        (State("painting", "dog", progress=HALF), Phase.PLANNING, "50% A dog"),
+        (State("starting", "dog"), Phase.PLANNED, "0% A dog"),
         (State("painting", "dog", progress=HALF, question="put in black"), Phase.PLANNING, "Put in black"),
         (State("painting", "dog", question=LONG), Phase.PLANNED, "See that the pen stands 10 mm from the …"),
         (State("ended", "dog", progress=HALF), Phase.PLANNED, ""),
     ],
 )
 def test_the_title_says_what_waits_for_a_person_then_how_far_it_is(state: State, phase: Phase, title: str) -> None:
-    plan = SimpleNamespace(phase=phase, done=0.37, name="cat")
-    studio: Any = SimpleNamespace(run=SimpleNamespace(state=state), plans=SimpleNamespace(plans={"cat": plan}))
+    plan = SimpleNamespace(phase=phase, done=0.37, name="cat", title="The cat")
+    studio: Any = SimpleNamespace(
+        run=SimpleNamespace(state=state, title="A dog"), plans=SimpleNamespace(plans={"cat": plan})
+    )
     assert news_of(studio) == title

@@ -2,6 +2,7 @@
 
 import warnings
 from collections.abc import Sequence
+from contextlib import nullcontext
 from pathlib import Path
 
 from maulstick.errors import InputError, needs_torch
@@ -11,11 +12,14 @@ from maulstick.kinds import checked
 from maulstick.painting.brush import BRUSHES, Brush, write_brush
 from maulstick.painting.raster import Canvas, parse_length, parse_size
 from maulstick.storage.arrays import kind_of
+from maulstick.storage.folders import MAKE_ROOM, made_folder
 from maulstick.strokes import ink as records
 from maulstick.strokes.ink import Ink
 from maulstick.style import Style
 from maulstick.style import load_style as load_style_for
 from maulstick.style.cards import STYLES
+
+_MOST_SAID = 3  # trials left out that are named in a warning, which is one line
 
 
 @checked
@@ -84,8 +88,9 @@ def fit_brush(trials: str | Path, name: str = "own", *, keep: bool = False) -> B
     """Fit a brush to a folder of trials: strokes drawn once each, with photographs before and after.
 
     keep: keep it among your own brushes, for `plan` by its name, in place of an earlier one of that name.
-    What the photographs cannot tell is a warning.
-    Raises InputError where the folder holds no trials, or too few of them can be used.
+    What the photographs cannot tell is a warning, and so is that some trials cannot be used.
+    Raises InputError where the folder holds no trials, or too few of them can be used, and OutputError where it cannot
+    be kept.
     """
     with needs_torch():
         from maulstick.brush_fit.fit import fit_brush as fit
@@ -93,11 +98,14 @@ def fit_brush(trials: str | Path, name: str = "own", *, keep: bool = False) -> B
 
     BRUSHES.check_own_name(name, overwrite=True) if keep else BRUSHES.check_name(name)
     drawn = Trials.open(Path(trials))
-    found = fit(drawn, drawn.pixels_per_metre, name, source=f"{drawn.medium}, fitted in Python", depth=drawn.depth)
-    for warning in found.warnings:
+    source = f"{drawn.medium}, fitted in Python"
+    with made_folder(BRUSHES.own(), MAKE_ROOM) if keep else nullcontext():
+        found = fit(drawn, drawn.pixels_per_metre, name, source=source, depth=drawn.depth)
+        if keep:
+            write_brush(found.brush, BRUSHES.own() / f"{name}.json")
+    left_out = [f"{len(found.left_out)} of {len(drawn)} trials are left out: {'; '.join(found.left_out[:_MOST_SAID])}"]
+    for warning in (*found.warnings, *(left_out if found.left_out else ())):
         warnings.warn(warning, stacklevel=3)
-    if keep:
-        write_brush(found.brush, BRUSHES.own() / f"{name}.json")
     return found.brush
 
 

@@ -55,7 +55,7 @@ def read_evidence(
 ) -> tuple[Evidence, list[str]]:
     """Return windows just large enough for their strokes, and a sentence per unusable trial.
 
-    Raises InputError where fewer than five trials can be used.
+    Raises InputError where fewer than five trials can be used, and for photographs beside darkness images.
     """
     sample = np.unique(np.linspace(0, len(trials) - 1, _SAMPLE).astype(int)).tolist() if len(trials) else []
     seen, left_out = _look_at(trials, sample, pixels_per_metre, _FAR, 1, lambda done: None)
@@ -75,8 +75,19 @@ def read_evidence(
     if len(seen) < FEWEST:
         reasons = "; ".join(left_out[:3]) or "draw more"
         raise InputError(f"{len(seen)} of {len(trials)} trials can be used, and {FEWEST} are needed: {reasons}")
+    _check_alike(seen)
     paths = tuple(resample(window.path, POINTS) for window in seen)
     return Evidence(tuple(seen), paths, pixels_per_metre / reduced), left_out
+
+
+def _check_alike(windows: Sequence[Window]) -> None:
+    """Raise InputError for photographs beside darkness images: one ink is fitted, and the latter show no colour."""
+    dark = [window.name for window in windows if window.after.shape[2] == 1]
+    if 0 < len(dark) < len(windows):
+        raise InputError(
+            f"{len(dark)} trials are darkness images, as {dark[0]} is, and {len(windows) - len(dark)} are photographs; "
+            "one fit takes one kind, so put them into two folders"
+        )
 
 
 def _look_at(

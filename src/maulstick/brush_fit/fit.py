@@ -99,6 +99,7 @@ def fit_brush(
         tick = ticking(progress, "standard errors", certainty.GROUPS * certainty.STEPS)
         errors = certainty.standard_errors(evidence, found, tick)
     executed = Executed.of(found, evidence, FAINT in choice.additions)
+    shown = np.unique(np.linspace(0, len(split.opened) - 1, _VIEWS).round().astype(int))  # bending little and much
     ink = found.ink_colour().double().numpy()
     opaque = found.colour is not None and not crosses(windows)
     if opaque:  # without crossings a pale opaque ink explains the photographs as well
@@ -120,7 +121,7 @@ def fit_brush(
         l1=choice.l1,
         l1_paper=choice.l1_paper,
         kept=choice.additions,
-        views=_views(choice.executed, evidence.pick(split.opened[:_VIEWS])),
+        views=_views(choice.executed, evidence.pick(split.opened[shown])),
         pixels_per_metre=evidence.pixels_per_metre,
     )
 

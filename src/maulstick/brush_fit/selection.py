@@ -36,7 +36,7 @@ _SHORTEST = 1e-9  # metres: keeps the chord of a closed stroke out of the denomi
 class Split:
     """Strokes by their part in a choice, as indices, and masks of halves of those that choose.
 
-    choosing: additions are chosen by them.  opened: nothing is; the error that is told is theirs.
+    choosing: additions are chosen by them.  opened: nothing is; the error that is told is theirs; the more bent last.
     mixed, bent: which of the choosing ones are in one half, of two that bend alike, and of two of which one bends more.
     Where there are too few strokes to hold some out, all are choosing and opened, and nothing is chosen.
     """

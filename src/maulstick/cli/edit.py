@@ -8,8 +8,9 @@ from typing import Annotated, TypeVar
 
 import numpy as np
 import typer
+from rich.console import Console
 
-from maulstick.cli.folder import check_absent
+from maulstick.cli.folder import check_place
 from maulstick.errors import InputError
 from maulstick.painting.painting import Painting
 from maulstick.painting.painting_file import read_painting, write_painting
@@ -23,6 +24,7 @@ from maulstick.painting.stroke_edits import (
     UnlockStrokes,
     edited,
 )
+from maulstick.strokes.ink import read_ink
 
 _HELD = 0.5  # pressure of drawn strokes without any: half as deep as a brush goes
 _MOST_IDS = 1_000_000  # in a range: more than any painting has strokes
@@ -47,7 +49,10 @@ def edit(
     ] = None,
     add: Annotated[
         list[str] | None,
-        _edits(metavar="N:FILE", help="Add drawn strokes, in any format of `record ink`, in the N-th paint; locked."),
+        _edits(
+            metavar="N:FILE",
+            help="Add drawn strokes, ink or any file that `record ink` reads, in the N-th paint; locked.",
+        ),
     ] = None,
     unlock: Annotated[str | None, _edits(metavar="IDS", help="Let planning change these strokes again.")] = None,
     lock: Annotated[
@@ -67,7 +72,9 @@ def edit(
     """
     if out is None:
         raise InputError("name the file to write, with --out cat/mine.json")
-    check_absent(out, "--out", overwrite)
+    if out.suffix.lower() != ".json":
+        raise InputError(f"--out is {out}; a painting is written as JSON, so let its name end in .json")
+    check_place(out, "--out", overwrite)
     before = read_painting(painting)
     edits: list[StrokeEdit] = []
     for text in repaint or []:
@@ -107,12 +114,19 @@ def _drawn(text: str, painting: Painting) -> list[AddStroke]:
         raise InputError(f"--add is {text!r}; it must be a paint's number and a file, as in 2:signature.json")
     from maulstick.recording.files.ink_files import read_ink_file  # loads parsers
 
-    strokes, paint = [], _index(int(number), painting)
-    for samples in read_ink_file(Path(file))[0].strokes():
+    path, paint = Path(file), _index(int(number), painting)
+    ink = read_ink(path) if path.suffix == ".npz" else read_ink_file(path, note=_print_note)[0]
+    strokes = []
+    for samples in ink.strokes():
         points = samples[:, 1:4]
         points[:, 2] = np.where(np.isnan(points[:, 2]), _HELD, points[:, 2])
         strokes.append(AddStroke(paint=paint, trajectory=tuple(map(tuple, points.tolist()))))
     return strokes
+
+
+def _print_note(note: str) -> None:
+    console = Console(stderr=True, markup=False, highlight=False)
+    console.print(f"note: {note}; say it with maulstick record ink --size, and add that ink", soft_wrap=True)
 
 
 def _parts(

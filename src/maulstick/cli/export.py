@@ -21,7 +21,7 @@ from maulstick.cli.drawing import (
     drawing_options,
     read_plan,
 )
-from maulstick.cli.folder import check_absent
+from maulstick.cli.folder import check_place
 from maulstick.errors import InputError
 from maulstick.jobs.export import DIALECTS, FORMATS, Export, ExportOptions, exported
 from maulstick.robot.easel import Pen
@@ -102,13 +102,13 @@ def export(
         easel=easel,
         tray=tray,
     )
-    path = out or painting.with_suffix(f".plot.{format}")
-    check_absent(path, "--out", overwrite)
+    path = out or painting.parent / f"{painting.stem}.plot.{format}"
+    _check(path, painting, overwrite)
     drawing = drawing_options(size, margin, rotate, hatch, hatch_hand, no_repeats, shortest, keep_order)
     export = exported(read_plan(painting, drawing), options)
     for note in export.notes:
         _say(f"note: {note}")
-    files = _files_of(export, path, overwrite)
+    files = _files_of(export, path, painting, overwrite)
     for file, text in files.items():
         atomic_write(file, text.encode())
         print(file, flush=True)
@@ -117,17 +117,24 @@ def export(
             _say(f"note: {file} is of an earlier export, with other pens; delete it")
 
 
-def _files_of(export: Export, path: Path, overwrite: bool) -> dict[Path, str]:
+def _files_of(export: Export, path: Path, painting: Path, overwrite: bool) -> dict[Path, str]:
     """Return the texts by their files, and say which pens are in each where there are several."""
     if len(export.files) == 1:
         return {path: export.files[0].text}
     files = {}
     for number, part in enumerate(export.files, start=1):
         file = path.with_name(f"{path.stem}-{number}{path.suffix}")
-        check_absent(file, "--out", overwrite)
+        _check(file, painting, overwrite)
         files[file] = part.text
         _say(f"{file}: {part.pens}")
     return files
+
+
+def _check(file: Path, painting: Path, overwrite: bool) -> None:
+    """Raise InputError where the file is the painting itself, and OutputError where it cannot be written."""
+    if file.resolve() == painting.resolve():
+        raise InputError(f"--out is {file}, the painting itself; choose another --out")
+    check_place(file, "--out", overwrite)
 
 
 def _of_parts(path: Path) -> set[Path]:

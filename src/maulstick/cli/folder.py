@@ -13,6 +13,13 @@ def check_absent(path: Path, option: str, overwrite: bool) -> None:
         raise OutputError(f"{path} is already there; choose another {option}, or add --overwrite")
 
 
+def check_place(path: Path, option: str, overwrite: bool) -> None:
+    """Raise OutputError where the folder of `path` does not exist, before the work begins, and as `check_absent`."""
+    if not path.parent.is_dir():
+        raise OutputError(f"cannot write {path}: its folder does not exist; make the folder first")
+    check_absent(path, option, overwrite)
+
+
 def check_free(out: Path, overwrite: bool) -> None:
     """Raise OutputError where `out` is a file, or a folder with files in it that are not to be overwritten."""
     with as_output_error(out):

@@ -17,7 +17,7 @@ from maulstick.cli.drawing import (
     drawing_options,
     read_plan,
 )
-from maulstick.cli.folder import check_absent
+from maulstick.cli.folder import check_place
 from maulstick.errors import InputError
 from maulstick.painting.picture import encode_png
 from maulstick.storage.files import atomic_write
@@ -43,13 +43,13 @@ def render(
 
     Example: maulstick render cat/painting.json --px 3000
     """
-    path = out or painting.with_name(f"{painting.stem}-{px}px.png")
+    path = out or painting.parent / f"{painting.stem}-{px}px.png"
     if path.suffix.lower() != ".png":
         raise InputError(f"--out is {path}; an image is written as PNG, so let its name end in .png")
     plan = read_plan(
         painting, drawing_options(size, margin, rotate, hatch, hatch_hand, no_repeats, shortest, keep_order)
     )
-    check_absent(path, "--out", overwrite)
+    check_place(path, "--out", overwrite)
     from maulstick.rendering.preview import preview_of_height  # loads torch
 
     atomic_write(path, encode_png(preview_of_height(plan, px)))

@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from maulstick.cli.drawing import read_plan
-from maulstick.cli.folder import check_absent
+from maulstick.cli.folder import check_place
 from maulstick.errors import InputError
 from maulstick.jobs.paintable import is_svg
 from maulstick.storage.arrays import kind_of
@@ -30,7 +30,7 @@ def show(
 
     Example: maulstick show me.ink.npz --out me.png
     """
-    path = out or file.with_name(f"{file.stem}-{px}px.png")
+    path = out or file.parent / f"{file.stem}-{px}px.png"
     check_picture(path, px, overwrite)
     kind = _kind(file)
     atomic_write(path, _PICTURES[kind](file, px))
@@ -43,7 +43,7 @@ def check_picture(path: Path, px: int, overwrite: bool) -> None:
         raise InputError(f"--out is {path}; a picture is written as PNG, so let its name end in .png")
     if not _SMALLEST_PX <= px <= _LARGEST_PX:
         raise InputError.of_range("--px", px, f"from {_SMALLEST_PX} to {_LARGEST_PX}")
-    check_absent(path, "--out", overwrite)
+    check_place(path, "--out", overwrite)
 
 
 def kind_in(file: Path) -> str | None:

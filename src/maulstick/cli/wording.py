@@ -22,7 +22,6 @@ COMMAND_LINE: Final = Wording(
         Remedy.NAME_CAMERA: "name it with --camera usb:0, or folder:PATH",
         Remedy.LEAVE_OUT_CAMERA: "leave out --camera",
         Remedy.WITHOUT_REPLAN: "go on with --replan 0",
-        Remedy.WITHOUT_DRAWING: "leave out the options of drawings",
         Remedy.SAME_DRAWING_OR_RESTART: "leave them out, or start on a new sheet with --restart",
         Remedy.HOLD_PRESSURE: "plan it again with maulstick plan --pressure 0.5",
         Remedy.SLOW_DOWN: "slow all strokes down with --speed {millimetres}",

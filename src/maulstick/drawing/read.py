@@ -215,6 +215,9 @@ def _notes(walk: Walk, pens: Sequence[Pen], placed: Placed, sheet: Sheet) -> lis
         notes.append(f"paths with faulty data are drawn up to the fault: {walk.faulty}")
     if walk.passed_over:
         notes.append(f"passed over: {', '.join(sorted(walk.passed_over))}")
+    if walk.unread is not None:
+        read = "#rrggbb, rgb(), hsl() and names"
+        notes.append(f"the colour {walk.unread[:60]!r} is taken for black, as all are but {read}; write it as #rrggbb")
     if walk.sheet.unread is not None:
         rule, read = f"rule for {walk.sheet.unread[:60]!r}", "names, classes and ids, with > or a space between,"
         notes.append(f"a style sheet's {rule} is left out: only {read} are read; give its elements a class")

@@ -12,7 +12,7 @@ from xml.etree.ElementTree import Element
 import numpy as np
 from svgelements import Matrix  # type: ignore[import-untyped]
 
-from maulstick.drawing.css import GEOMETRY, INHERITED, Rgb, Style, colour_of, is_zero, referred
+from maulstick.drawing.css import GEOMETRY, INHERITED, Rgb, Style, colour_of, is_zero, referred, unread
 from maulstick.drawing.document import INKSCAPE, SVG_SPACE, Page, Viewport, numbers, transform_of, viewed
 from maulstick.drawing.geometry import is_shape, outline
 from maulstick.drawing.lines import bounds_of
@@ -83,6 +83,7 @@ class Walk:
     """Walk through a document.
 
     passed_over: names of what it has, and is not drawn.  faulty: number of paths with faulty data.
+    unread: the first colour of a form that is not read, None where all are.
     """
 
     root: Element
@@ -90,6 +91,7 @@ class Walk:
     page: Page = field(init=False)
     passed_over: set[str] = field(default_factory=set)
     faulty: int = 0
+    unread: str | None = None
 
     def __post_init__(self) -> None:
         self.sheet = StyleSheet(self.root)
@@ -156,6 +158,8 @@ class Walk:
             "markers" for name in ("marker-start", "marker-mid", "marker-end") if referred(own.get(name))
         )
         stroke = colour_of(style, "stroke", "none")
+        if not self._clipping:
+            self.unread = self.unread or unread(style, "stroke") or unread(style, "fill")
         if stroke is not None and any(numbers(style.get("stroke-dasharray"))):
             self.passed_over.add("dashes")
         if chains and m.determinant != 0:

@@ -4,7 +4,7 @@ import os
 import platform
 import sys
 import webbrowser
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from enum import StrEnum
@@ -66,15 +66,27 @@ EXTRAS: Final = {
 }
 """Extras of pyproject.toml by name."""
 
-_NATIVE = {"native renderer": "maulstick.rendering.kernels._cpu", "native ordering": "maulstick.ordering._tour"}
+NATIVE: Final = {
+    "native renderer": ("rendering.kernels._cpu", "rendering._laying"),
+    "native ordering": ("ordering._tour",),
+    "native styles": ("style._density", "style._free", "style._shape"),
+}
+"""Modules that a compiler made, which need no PyTorch."""
+
+NATIVE_PLANNER: Final = (
+    "planning.objectives._edges",
+    "planning.objectives._pyramid",
+    "style.arrangement._neighbourhoods",
+)
+"""Modules that a compiler made, beside others that need PyTorch."""
 
 
 def findings() -> Iterator[Finding]:
     """Yield all findings in the order in which they are shown. Nothing that is missing raises an error."""
     yield Finding("Maulstick", State.WORKS, version("maulstick"))
     yield Finding("Python", State.WORKS, f"{platform.python_version()}, {platform.system()} {platform.machine()}")
-    for name, module in _NATIVE.items():
-        yield _native(name, module)
+    for name, modules in NATIVE.items():
+        yield _native(name, modules)
     yield from _torch()
     for name, extra in EXTRAS.items():
         yield _extra(name, extra)
@@ -86,14 +98,14 @@ def findings() -> Iterator[Finding]:
         yield _own(library)
 
 
-def _native(name: str, module: str) -> Finding:
+def _native(name: str, modules: Sequence[str]) -> Finding:
     try:
-        loaded = import_module(module)
+        first, *_ = [import_module(f"maulstick.{module}") for module in modules]
     except (ImportError, OSError) as error:
         return Finding(
             name, State.MISSING, f"{error}; install it again, in its source: pip install --force-reinstall ."
         )
-    sets: Callable[[], list[str]] | None = getattr(loaded, "instruction_sets", None)
+    sets: Callable[[], list[str]] | None = getattr(first, "instruction_sets", None)
     return Finding(name, State.WORKS, "" if sets is None else f"instructions: {sets()[0]}")
 
 
@@ -107,6 +119,7 @@ def _torch() -> Iterator[Finding]:
         yield Finding("PyTorch", State.MISSING, f"{error}; install it again: pip install --force-reinstall torch")
         return
     yield Finding("PyTorch", State.WORKS, torch.__version__)
+    yield _native("native planner", NATIVE_PLANNER)
     if not torch.cuda.is_available():
         yield Finding("GPU", State.NOT_FOUND, "the processor plans and renders")
         return

@@ -1,6 +1,6 @@
 """Exports of a painting for machines that other programs drive: G-code, HPGL, SVG, or JSON with a motion per line."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
 
@@ -9,7 +9,7 @@ import numpy as np
 from maulstick.errors import InputError, option
 from maulstick.jobs.paint.options import PaintOptions
 from maulstick.ordering.sequence import sequenced
-from maulstick.painting.painting import Painting
+from maulstick.painting.painting import OFF_SHEET, Painting
 from maulstick.painting.svg import axidraw_svg, flattened_note
 from maulstick.robot.easel import Easel, Pen, read_easel
 from maulstick.robot.export.export import as_gcode, as_hpgl, as_json
@@ -90,7 +90,7 @@ class ExportFile:
 
 @dataclass(frozen=True)
 class Export:
-    """Files of an export, in the order in which a machine takes them, and sentences about what they leave out."""
+    """Files of an export, in the order in which a machine takes them, and sentences about what they do not say."""
 
     files: tuple[ExportFile, ...]
     notes: tuple[str, ...] = ()
@@ -107,9 +107,16 @@ def exported(painting: Painting, options: ExportOptions) -> Export:
     if options.format == "svg":
         notes = (note,) if (note := flattened_note(plan)) else ()
         return Export(_svgs(plan) if options.per_pen else (ExportFile(axidraw_svg(plan)),), notes)
+    export = _for_machine(plan, options)
+    return replace(export, notes=(*export.notes, note)) if (note := _edge_note(plan)) else export
+
+
+def _for_machine(plan: Painting, options: ExportOptions) -> Export:
+    """Return the files of all formats but SVG. Raises InputError as `exported`."""
     place = read_easel(options.easel) if options.easel is not None else _at_the_origin(plan)
     if options.servo is not None:
-        place = place.model_copy(update={"pen": options.servo})
+        seconds = {} if place.pen is None else {"seconds": place.pen.seconds}
+        place = place.model_copy(update={"pen": options.servo.model_copy(update=seconds)})
     wells = read_tray(options.tray) if options.tray is not None else None
     limits = place.limits or _around(plan, place, wells, options.fastest)
     if place.pen is not None or options.format == "hpgl":
@@ -117,11 +124,19 @@ def exported(painting: Painting, options: ExportOptions) -> Export:
     actions = routine(plan, place, limits, wells, speed=options.fastest)
     if options.format == "hpgl":
         speed = None if options.speed is None else options.fastest
-        return Export(_loads(plan, as_hpgl(actions, limits, options.carousel or CAROUSEL, speed, options.shrink)))
+        return _loads(plan, as_hpgl(actions, limits, options.carousel or CAROUSEL, speed, options.shrink))
     if options.format == "json":
         return Export((ExportFile(as_json(actions)),))
     spoken = next(each for each in DIALECTS if each == (options.dialect or DIALECTS[0]))
     return Export((ExportFile(as_gcode(actions, limits, spoken, place.pen)),))
+
+
+def _edge_note(plan: Painting) -> str:
+    """Return a sentence that says how far strokes reach beyond the sheet, or ""."""
+    beyond = max(float(plan.sheet.overhang(part.trajectories()[..., :2]).max()) for part in plan.parts())
+    if beyond <= _THIN:
+        return ""
+    return f"strokes reach up to {1e3 * beyond:.2g} mm beyond the sheet; let the machine have so much room around it"
 
 
 def _svgs(plan: Painting) -> tuple[ExportFile, ...]:
@@ -134,11 +149,14 @@ def _svgs(plan: Painting) -> tuple[ExportFile, ...]:
     return tuple(files)
 
 
-def _loads(plan: Painting, loads: list[CarouselLoad]) -> tuple[ExportFile, ...]:
-    def pens(load: CarouselLoad) -> str:
-        return ", ".join(f"pen {n} is {_pen(plan, paint)}" for n, paint in enumerate(load.paints, start=1))
-
-    return tuple(ExportFile(load.text, pens(load) if len(loads) > 1 else "") for load in loads)
+def _loads(plan: Painting, loads: list[CarouselLoad]) -> Export:
+    """Return a file per load, and say which pen is which: of a load that is alone, unless it has just the first pen."""
+    used = {stroke.paint for stroke in plan.strokes}
+    pens = [{n: _pen(plan, paint) for n, paint in enumerate(load.paints, start=1) if paint in used} for load in loads]
+    told = [", ".join(f"pen {number} is {pen}" for number, pen in each.items()) for each in pens]
+    if len(loads) == 1:
+        return Export((ExportFile(loads[0].text),), () if [*pens[0]] == [1] else (told[0],))
+    return Export(tuple(ExportFile(load.text, each) for load, each in zip(loads, told, strict=True)))
 
 
 def _pen(plan: Painting, paint: int) -> str:
@@ -152,9 +170,9 @@ def _at_the_origin(plan: Painting) -> Easel:
 
 
 def _around(plan: Painting, easel: Easel, tray: Tray | None, speed: float) -> Limits:
-    """Return limits for an unknown machine: the sheet, as deep as the easel allows, and the tray, at that speed."""
-    width, height = plan.sheet.width, plan.sheet.height
-    ends = [[x, y, z] for x in (0, width) for y in (0, height) for z in (-max(easel.deepest, _THIN), _CLEAR)]
+    """Return limits for an unknown machine at that speed: where strokes may be, as deep as allowed, and the tray."""
+    across, along = ((-OFF_SHEET, side + OFF_SHEET) for side in (plan.sheet.width, plan.sheet.height))
+    ends = [[x, y, z] for x in across for y in along for z in (-max(easel.deepest, _THIN), _CLEAR)]
     places = [np.array(ends)]
     if tray is not None:
         for well in (*tray.paints.values(), tray.water, tray.cloth):

@@ -29,6 +29,7 @@ CURVE_PRESSURES = (0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875)
 _SHORTEST = 1e-12  # metres: keeps lengths and lags of 0 out of the denominators
 _TOUCHING = 1e-6  # metres: the least known depth, because a depth of 0 means that it is unknown
 _MARK_OF_PENS = "fineliner"  # the brush whose mark, across a line, all pens of the catalogue have
+_BROADEST = 0.1  # metres: half-width of a broom; more is millimetres that were taken for metres
 _LARGEST_FILE = 2**20  # bytes: far more than a brush takes; a larger file is something else
 
 
@@ -201,9 +202,15 @@ def load_brush(name: str | Path) -> Brush:
         raise InputError.of_choice("brush", name, [*paths, "FILE.json"])
     path = paths.get(name, Path(name))
     try:
-        return Brush.model_validate_json(read_whole(path, "brush", _LARGEST_FILE))
+        brush = Brush.model_validate_json(read_whole(path, "brush", _LARGEST_FILE))
     except ValidationError as error:
         raise InputError(f"{path} is not a brush: {validation_fault(error)}") from error
+    if brush.widest > _BROADEST:
+        came = f"alpha + beta is {brush.widest:g} metres"
+        raise InputError(
+            f"{path} is not a brush: {came}; it must be at most {_BROADEST}, so divide millimetres by 1000"
+        )
+    return brush
 
 
 def load_brushes(names: str) -> tuple[Brush, ...]:
@@ -253,18 +260,17 @@ def pen_brush(name: str, pen: PenModel) -> Brush:
 def load_pen_brush(name: str) -> tuple[Brush, str | None]:
     """Return the brush of a pen by its name, and its colour, ``#rrggbb`` or None where that is not known.
 
-    A pen is in the catalogue, or a brush whose width is constant, as one that was fitted to photographs of a pen.
+    A pen is in the catalogue, or a brush whose width is constant, as one that was fitted to photographs of a pen; that
+    comes first where both have the name, as in `load_brush`.
     Raises InputError where there is no such pen.
     """
-    if name in PENS.paths():
-        pen = load_pen(name)
-        return pen_brush(name, pen), pen.colour
-    if name not in BRUSHES.paths():
-        raise InputError.of_choice("pen", name, [*PENS.paths(), "a brush of constant width"])
+    pens = PENS.paths()
+    if name not in pens and name not in BRUSHES.paths():
+        raise InputError.of_choice("pen", name, [*pens, "a brush of constant width"])
     brush = load_brush(name)
     if brush.pressure_matters:
         raise InputError(f"the width of the brush {name} varies with pressure, so it is no pen; name it as a brush")
-    return brush, None
+    return brush, load_pen(name).colour if name in pens else None
 
 
 def write_brush(brush: Brush, path: Path) -> None:

@@ -82,12 +82,15 @@ STROKE_EDIT: TypeAdapter[StrokeEdit] = TypeAdapter(StrokeEdit)
 def edited(painting: Some, edits: Iterable[StrokeEdit]) -> Some:
     """Return the painting after the edits, one after another.
 
-    Strokes that are added get the ids after the painting's largest, in the order of their edits.
+    Strokes that are added get the ids after the painting's largest, in the order of their edits. Where an edit changes
+    what is painted, the metrics of the painting, which are of what was planned, are left out.
     Raises InputError for a stroke or paint that is not there, and a stroke that would leave the sheet.
     """
     free = 1 + max((stroke.id for stroke in painting.strokes), default=-1)
-    strokes = list(painting.strokes)
+    strokes, provenance = list(painting.strokes), painting.provenance
     for edit in edits:
+        if not isinstance(edit, LockStrokes | UnlockStrokes):
+            provenance = painting.provenance.model_copy(update={"metrics": {}})
         if isinstance(edit, AddStroke):
             _check_paint(edit.paint, painting)
             if edit.speed is not None and len(edit.speed) != len(edit.trajectory):
@@ -99,7 +102,8 @@ def edited(painting: Some, edits: Iterable[StrokeEdit]) -> Some:
         else:
             strokes = _with_edit(painting, strokes, edit)
     try:
-        return type(painting).model_validate({**dict(painting), "strokes": tuple(strokes)})
+        changes = {"strokes": tuple(strokes), "provenance": provenance}
+        return type(painting).model_validate({**dict(painting), **changes})
     except ValidationError as error:
         raise InputError(painting_fault(error)) from error
 

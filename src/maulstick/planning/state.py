@@ -18,6 +18,7 @@ KIND = "plan in the making"
 State = dict[str, NDArray[np.generic]]
 """Arrays by name: everything that the next step depends on."""
 
+_LARGEST = 2**35  # bytes, unpacked: 32 windows of a mural in work, each of 6,144 pixels per side, as networks saw them
 _SET_BACK = 0.6  # share of the plan that counts as over at most where weights change: rates are a third of the largest
 _SOONER = 1.5  # times as fast as usual it goes on from there, so that somebody who waits sees where it leads
 
@@ -32,7 +33,7 @@ def write_state(path: str | Path, state: State, request: dict[str, JsonValue]) -
 
 def read_state(path: str | Path) -> tuple[State, dict[str, JsonValue]]:
     """Return state and request in the file at `path`. Raises InputError where there is none, or it is damaged."""
-    state = read_arrays(path, KIND)
+    state = read_arrays(path, KIND, largest=_LARGEST)
     try:
         request = json.loads(str(state.pop("request")))
     except (KeyError, ValueError) as error:

@@ -145,6 +145,7 @@ def _numbers(plot: Plot, brush: Brush, x: float, y: float, wide: float) -> None:
         "touch": mm(*brush.touch),
         "faint": f"{brush.faint:.3g}",
         "solid": f"{brush.solid:.3g}",
+        "lightest": f"{brush.lightest:.3g}",
     }
     fields = Brush.model_fields
     numbers += [(name, value) for name, value in beyond.items() if getattr(brush, name) != fields[name].default]

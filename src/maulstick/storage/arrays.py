@@ -34,7 +34,8 @@ Pixels = NDArray[np.float32]
 VERSION = 1
 """Version of the format that is written, and the only one that is read."""
 
-_LARGEST = 2**31  # bytes, unpacked: over 60 hours of drawing
+LARGEST = 2**31
+"""Bytes, unpacked, of a usual file: over 60 hours of drawing."""
 
 
 def write_arrays(path: str | Path, kind: str, arrays: Mapping[str, NDArray[np.generic]]) -> None:
@@ -62,15 +63,17 @@ def kind_of(path: str | Path) -> str | None:
         return None
 
 
-def read_arrays(path: str | Path, kind: str, names: tuple[str, ...] | None = None) -> dict[str, NDArray[np.generic]]:
-    """Return the arrays with these names, or all, in the file of this kind at `path`.
+def read_arrays(
+    path: str | Path, kind: str, names: tuple[str, ...] | None = None, largest: int = LARGEST
+) -> dict[str, NDArray[np.generic]]:
+    """Return the arrays with these names, or all, in the file of this kind at `path`, of at most `largest` bytes.
 
     Raises InputError where there is no such file, it is of another kind, damaged or of another version, or an array
     holds neither numbers nor text.
     """
     path = file_to_read(path, kind)
     try:
-        with _opened(path, kind) as entries:
+        with _opened(path, kind, largest) as entries:
             if (came := str(_read(entries, "kind"))) != kind:
                 raise InputError(f"{path} holds {came}; it must be a file of {kind}")
             if (version := int(_read(entries, "version"))) != VERSION:
@@ -87,10 +90,10 @@ def read_arrays(path: str | Path, kind: str, names: tuple[str, ...] | None = Non
 
 
 @contextmanager
-def _opened(path: Path, kind: str) -> Iterator[zipfile.ZipFile]:
+def _opened(path: Path, kind: str, largest: int = LARGEST) -> Iterator[zipfile.ZipFile]:
     with zipfile.ZipFile(path) as entries:  # reads no more of an entry than it declares
         unpacked = sum(entry.file_size for entry in entries.infolist())
-        if unpacked > _LARGEST:
+        if unpacked > largest:
             raise InputError(f"{path} unpacks to {unpacked >> 20} MiB; no {kind} is that large")
         yield entries
 

@@ -15,15 +15,15 @@ _ROOM = 2**20  # bytes, about what a painting takes: room that must be free befo
 
 
 @contextmanager
-def made_folder(out: Path) -> Iterator[None]:
+def made_folder(out: Path, remedy: str | None = None) -> Iterator[None]:
     """Make the folder `out` and test that it can be written; at the end remove made folders that stayed empty.
 
-    Raises OutputError where the folder cannot be made or written.
+    Raises OutputError, with a remedy as `as_output_error`, where the folder cannot be made or written.
     """
-    with as_output_error(out):
+    with as_output_error(out, remedy):
         made = [folder for folder in (out, *out.parents) if not folder.exists()]
     try:
-        with as_output_error(out):
+        with as_output_error(out, remedy):
             out.mkdir(parents=True, exist_ok=True)
             with TemporaryFile(dir=out) as file:
                 file.write(bytes(_ROOM))

@@ -17,6 +17,7 @@ from maulstick.cli.folder import check_absent
 from maulstick.errors import InputError, OutputError
 from maulstick.painting.brush import BRUSHES, write_brush
 from maulstick.storage.files import atomic_write
+from maulstick.storage.folders import MAKE_ROOM, made_folder
 
 if TYPE_CHECKING:
     from maulstick.brush_fit.fit import Fit
@@ -51,11 +52,13 @@ def fit(
     console = Console(stderr=True, markup=False, highlight=False)
     from maulstick.brush_fit.fit import fit_brush  # loads torch
 
-    with _progress_bar(console) as show:
-        found = fit_brush(drawn, drawn.pixels_per_metre, name, source=_source(drawn), depth=drawn.depth, progress=show)
-    seconds = time.monotonic() - started
-    path = BRUSHES.own() / f"{name}.json"
-    write_brush(found.brush, path)
+    path, source = BRUSHES.own() / f"{name}.json", _source(drawn)
+    with made_folder(path.parent, MAKE_ROOM):
+        with _progress_bar(console) as show:
+            found = fit_brush(drawn, drawn.pixels_per_metre, name, source=source, depth=drawn.depth, progress=show)
+        seconds = time.monotonic() - started
+        BRUSHES.check_own_name(name, overwrite)  # another process may have taken it meanwhile
+        write_brush(found.brush, path)
     for warning in found.warnings:
         console.print(f"note: {warning}", soft_wrap=True)
     _say_left_out(console, found.left_out)

@@ -116,7 +116,8 @@ def _note(prepared: Prepared, console: Console) -> None:
 
 def _note_pale_lines(prepared: Prepared, console: Console) -> None:
     brush = finest_of(prepared.brushes)
-    thinnest = brush.thinnest * prepared.layout.canvas.pixels_per_metre
+    canvas = prepared.layout.canvas if prepared.mural is None else prepared.mural.canvas
+    thinnest = brush.thinnest * canvas.pixels_per_metre
     if 0 < thinnest < 1:
         console.print(
             f"note: the thinnest mark of the brush {brush.name} is {thinnest:.2f} pixels in half-width at this "

@@ -15,6 +15,7 @@ from typing import Self
 import torch
 
 from maulstick.errors import InputError, OutputError, option
+from maulstick.jobs.plan.request import MOST_WORKERS
 from maulstick.jobs.plan.window_worker import STOP
 from maulstick.jobs.processes import death_of
 from maulstick.planning.mural.window import PlanWindows, WatchWindow, Window, WindowPlanner, in_turn
@@ -25,7 +26,7 @@ _WORKER = "maulstick.jobs.plan.window_worker"
 
 
 def workers_for(wanted: int | None, device: torch.device, *, has_windows: bool) -> int:
-    """Return how many processes plan windows at the same time, by default one per core; a GPU has one.
+    """Return how many processes plan windows at the same time, by default one per core up to the most; a GPU has one.
 
     Raises InputError where some are wanted, and there are no windows, or a GPU plans them.
     """
@@ -35,7 +36,7 @@ def workers_for(wanted: int | None, device: torch.device, *, has_windows: bool) 
             f"canvas is planned in one piece, on all cores; leave it out, or choose a larger {option('px')}"
         )
     if device.type == "cpu":
-        return THREADS if wanted is None else wanted
+        return min(THREADS, MOST_WORKERS) if wanted is None else wanted
     if wanted is not None and wanted > 1:
         raise InputError(f"{option('workers')} is {wanted}, and a GPU plans one window at a time; leave it out")
     return 1

@@ -3,11 +3,13 @@
 Places are written as whole micrometres, rounded so that they stay within the limits.
 """
 
+import re
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
+from maulstick.errors import InputError
 from maulstick.robot.easel import Pen
 from maulstick.robot.limits import Limits
 from maulstick.storage.arrays import Floats
@@ -19,6 +21,8 @@ _MICROMETRES = 1e6  # per metre
 _NEAR = 1e-4  # what a limit, as written, may miss a whole last digit by and still mean it: within the limits' SLACK
 _SLOWEST = 1.0  # mm/min: the least feed written; slower is an error to Grbl
 _STRAIGHT = 1e-12  # metres: least length, so that no division is by zero
+_MOST_SERVO = 65_535  # of 16 bits, in which boards time the pulses of a servo; without an exponent as it is written
+_TIME = re.compile(r"([ps])(?= *[-+.\d])", re.IGNORECASE)  # Marlin waits so long, and not for a person: M0 STEP 2
 _LONGEST_MESSAGE = 60  # characters, fewer than Marlin keeps of a line
 
 
@@ -27,12 +31,18 @@ class Gcode:
     """Writer of motions within the limits, as lines without line ends; the caller keeps the place of the tip.
 
     pen: servo of the pen; None where it is lifted by height.
-    Each motion raises InputError where it leaves the limits.
+    Raises InputError for a number of the servo that controllers refuse: the pen would stay down. Each motion raises
+    InputError where it leaves the limits.
     """
 
     dialect: Dialect
     limits: Limits
     pen: Pen | None = None
+
+    def __post_init__(self) -> None:
+        for number in () if self.pen is None else (self.pen.up, self.pen.down):
+            if not 0 <= number <= _MOST_SERVO:
+                raise InputError.of_range("a number of the servo", f"{number:g}", f"from 0 to {_MOST_SERVO} in G-code")
 
     def rounded(self, path: Floats) -> Floats:
         """Return the path (..., 3), metres, as it is written, rounded towards the inside at the limits."""
@@ -71,7 +81,9 @@ class Gcode:
     def pause(self, message: str) -> list[str]:
         """Pause until the operator lets the machine go on, and show the message."""
         said = "".join(filter(_is_harmless, message))[:_LONGEST_MESSAGE]
-        return [f"M0 {said}"] if self.dialect == "marlin" else [f"({said})", "M0"]
+        if self.dialect == "marlin":
+            return ["M0 " + _TIME.sub(r"\1:", said)]
+        return [f"({said})", "M0"]
 
     def _straight(self, start: Floats, place: Floats, speed: float) -> str:
         step = place - start
@@ -89,8 +101,8 @@ class Gcode:
 
 
 def _is_harmless(letter: str) -> bool:
-    """Return whether a letter neither ends a comment nor is a real-time command of Grbl, as ! and 0x84 are."""
-    return letter.isascii() and letter.isprintable() and letter not in "();?!~"
+    """Return whether a letter neither ends a comment or a line nor is a real-time command of Grbl, as ! and 0x84."""
+    return letter.isascii() and letter.isprintable() and letter not in "();?!~*"
 
 
 def _feed(speed: float) -> float:

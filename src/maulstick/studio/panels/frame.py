@@ -159,7 +159,7 @@ def _tell(error: Exception) -> None:
     if isinstance(error, MaulstickError):
         first, _, rest = error_text(error).partition(" ")
         sentence = f"{first.capitalize() if first.isalpha() and first.islower() else first} {rest}"
-        notify = partial(ui.notify, sentence, timeout=12000, multi_line=True)
+        notify = partial(ui.notify, sentence, timeout=12000)
     else:
         notify = partial(ui.notify, "Something in Maulstick is broken; the terminal says what.")
     notify(type="negative", position="top", close_button="OK")

@@ -38,6 +38,6 @@ def news_of(studio: Studio) -> str:
         return shorten(state.question[0].upper() + state.question[1:], _LONGEST, placeholder=" …")
     if state.is_on:
         progress = state.progress
-        return f"{0.0 if progress is None else progress.drawn / (progress.metres or 1.0):.0%} {state.plan}"
+        return f"{0.0 if progress is None else progress.drawn / (progress.metres or 1.0):.0%} {studio.run.title}"
     busy = [plan for plan in studio.plans.plans.values() if plan.phase in (Phase.PLANNING, Phase.STOPPING)]
-    return f"{busy[0].done:.0%} {busy[0].name}" if busy else ""
+    return f"{busy[0].done:.0%} {busy[0].title}" if busy else ""

@@ -195,6 +195,8 @@ class Drawing:
 
     async def _turn_to(self, sheet: DrawnSheet, name: str | None) -> None:
         async with self._turning:
+            if name == self.name:  # another click, or page, was sooner
+                return
             await self._write()  # after which nothing is awaited until the other sheet lies there
             before = self.name if self._has_folder else None
             self._lay(sheet, name)

@@ -32,6 +32,7 @@ class Gallery:
         self.changed = Event[[]]()
         self._folder, self._desk = folder, desk
         self._keeping = asyncio.Lock()  # or two uploads at once could get the same name
+        self._showing = asyncio.Lock()  # or two clicks at once would bring the example twice
 
     def names(self) -> list[str]:
         """Return the names of all pictures, newest first."""
@@ -97,7 +98,8 @@ class Gallery:
 
     async def keep_portrait(self) -> str:
         """Store the picture that comes with Maulstick, unless it is there; return its name."""
-        return _PORTRAIT if _PORTRAIT in self.names() else await self.keep(demo_picture(), _PORTRAIT_TITLE)
+        async with self._showing:
+            return _PORTRAIT if _PORTRAIT in self.names() else await self.keep(demo_picture(), _PORTRAIT_TITLE)
 
 
 def keep_picture(brought: Path, folder: Path) -> None:

@@ -24,6 +24,7 @@ class Hands:
     def __init__(self, folder: Folder, desk: Desk) -> None:
         self.changed = Event[[]]()
         self._folder, self._desk = folder, desk
+        self._keeping = asyncio.Lock()  # or two uploads at once could get the same name
 
     def names(self) -> list[str]:
         """Return the names of all hands, newest first."""
@@ -63,10 +64,11 @@ class Hands:
         called: name of the uploaded file.  pen_millimetres: length of a tracked pen from its markers to its tip.
         Raises InputError where it is no recording, or has no strokes.
         """
-        title = self._folder.title_for_file("hands", called)
-        name = self._folder.free_name("hands", title)
-        await self._desk.do(take_in, file, called, pen_millimetres, self.path(name))
-        retitle(self.path(name), title)
+        async with self._keeping:
+            title = self._folder.title_for_file("hands", called)
+            name = self._folder.free_name("hands", title)
+            await self._desk.do(take_in, file, called, pen_millimetres, self.path(name))
+            retitle(self.path(name), title)
         self.changed.emit()
         return name
 

@@ -32,7 +32,6 @@ from maulstick.studio.workers.messages import (
     RunProgress,
 )
 from maulstick.studio.workers.painter import paint_in_process, rehearse_in_process
-from maulstick.studio.workers.plan_pictures import rehearsed_sheet
 from maulstick.studio.workers.planned_paints import PlannedPaint
 from maulstick.studio.workers.process import CLOSING, LONGEST_STOP, Failed, Process
 
@@ -223,8 +222,6 @@ class Run:
             raise InputError(f"{self._folder.title('plans', plan)} was stopped before it began; start it once more")
         self._check_free()  # another page may have been quicker
         self._check_planned(plan)
-        if not request.resume:
-            rehearsed_sheet(request.painting).unlink(missing_ok=True)
         self._begin("starting", request, paint_in_process, is_painted)
 
     def _begin(self, phase: Phase, request: PaintRequest, work: Callable[..., None], *more: object) -> None:

@@ -101,6 +101,8 @@ def upload_button(
 
     chooser = FileChooser(accept, taken, _refuse)
     chooser.on("uploaded", lambda: chooser.run_method("reset"), [])  # so that the same file can be chosen again
+    # At once, since nothing can be chosen before; a line that breaks takes the websocket with it.
+    chooser.on("failed", _miss, js_handler=f"() => {{ runMethod({chooser.id}, 'reset', []); emit(); }}")
     button = ui.button(text, icon="upload_file").props("outline no-caps")
     reading = _Reading(button)
     chooser.on("start", lambda: reading.send(True), [])
@@ -138,6 +140,10 @@ async def small_content(file: events.UploadEventArguments, what: str) -> bytes:
     if file.file.size() > _LARGEST_SMALL:
         raise InputError(f"that file is larger than {_LARGEST_SMALL >> 10} KiB, too large for a {what}; choose another")
     return await file.file.read()
+
+
+def _miss() -> None:
+    raise InputError("that file did not arrive, for the line to the studio broke off; bring it again")
 
 
 def _refuse() -> None:

@@ -30,7 +30,9 @@ _LEAVE = """() => {
   video.isLeft = true;
   video.srcObject?.getTracks().forEach((track) => track.stop());
 }"""
+_SILENCE: Final = "TimeoutError"
 _REFUSALS: Final = {
+    _SILENCE: f"the browser did not let the page use the camera within {_LONGEST:.0f} s; ask again, and allow it",
     "NotAllowedError": "the browser may not use the camera; allow it beside the page's address",
     "NotFoundError": "there is no camera; connect one",
     "TypeError": "the browser gives the camera to a page of this very computer alone; bring a photograph",
@@ -61,7 +63,12 @@ class _Camera:
     async def see(self) -> None:
         """Show what the camera sees. Raises InputError where there is none that may be used."""
         self._dialog.open()
-        refusal = await self._run(_SEE)
+        try:
+            refusal = await self._run(_SEE)
+        except TimeoutError:
+            refusal = _SILENCE
+        if self._dialog.is_deleted:  # nobody waits for it any more
+            return
         if refusal:
             self._dialog.close()
             raise InputError(_REFUSALS.get(str(refusal), f"the camera does not answer ({refusal}); connect it again"))

@@ -93,9 +93,10 @@ def move_by_hand(line: Line, spec: str, easel: Path | None, painting: Path | Non
     from maulstick.robot import machines
     from maulstick.robot.bench import Bench
     from maulstick.robot.easel import read_easel
+    from maulstick.studio.workers.svg_work import options_of
 
     place = None if easel is None else read_easel(easel)
-    sheet = None if painting is None else read_paintable(painting).painting.sheet
+    sheet = None if painting is None else read_paintable(painting, options_of(painting)).painting.sheet
     with machine_lock(spec):
         robot = machines.machine(spec, place)
         bench = Bench(robot, place, None if sheet is None else (sheet.width, sheet.height))

@@ -1,6 +1,7 @@
 """Tasks of the desk with hands: ink from drawings and from uploaded recordings, and styles from ink."""
 
 import shutil
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Annotated, Literal
@@ -27,13 +28,17 @@ _LONGEST_PEN = 2e3  # millimetres: beyond, another unit was meant
 
 
 class HandCard(BaseModel):
-    """Content of hand.json about a hand's ink. pressed: whether the pressure of the pen was recorded."""
+    """Content of hand.json about a hand's ink.
+
+    pressed: whether the pressure of the pen was recorded.  notes: sentences about what its file does not say.
+    """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     version: Literal[1] = 1
     strokes: Annotated[int, Field(ge=0)]
     pressed: bool
+    notes: tuple[str, ...] = ()
 
 
 def keep_drawing(hand: Path) -> None:
@@ -50,8 +55,9 @@ def take_in(file: Path, called: str, pen_millimetres: float | None, hand: Path) 
 
     A drawing of a web page that fits the studio's sheet is kept as one, so that it can be drawn on.
     """
+    notes: list[str] = []
     with known_as(file, called):
-        ink = _read(file, Path(called).suffix.lower(), pen_millimetres)
+        ink = _read(file, Path(called).suffix.lower(), pen_millimetres, notes.append)
     sheet = None
     if Path(called).suffix.lower() == ".json":
         with suppress(InputError):  # its ink is used all the same
@@ -65,7 +71,7 @@ def take_in(file: Path, called: str, pen_millimetres: float | None, hand: Path) 
     try:
         if sheet is not None:
             atomic_write(hand / DRAWING, sheet_json(sheet.size, sheet.strokes))
-        _keep(ink, hand)
+        _keep(ink, hand, [note.replace(file.name, called) for note in notes])
     except MaulstickError:
         shutil.rmtree(hand)
         raise
@@ -93,7 +99,7 @@ def learn(hand: Path, style: str, title: str) -> None:
     title_style(style, title)
 
 
-def _read(file: Path, suffix: str, pen_millimetres: float | None) -> Ink:
+def _read(file: Path, suffix: str, pen_millimetres: float | None, note: Callable[[str], None]) -> Ink:
     if kind_of(file) == KIND:
         with ZipFile(file) as arrays:
             if sum(entry.file_size for entry in arrays.infolist()) > _LARGEST_INK:
@@ -103,7 +109,7 @@ def _read(file: Path, suffix: str, pen_millimetres: float | None) -> Ink:
         return _tracked(file, pen_millimetres)
     from maulstick.recording.files.ink_files import read_ink_file  # loads parsers
 
-    return read_ink_file(file)[0]
+    return read_ink_file(file, note=note)[0]
 
 
 def _tracked(file: Path, pen_millimetres: float | None) -> Ink:
@@ -118,8 +124,8 @@ def _tracked(file: Path, pen_millimetres: float | None) -> Ink:
     return drawing_of(read_motive(file), tip, source=file.name).ink
 
 
-def _keep(ink: Ink, hand: Path) -> None:
+def _keep(ink: Ink, hand: Path, notes: Sequence[str] = ()) -> None:
     write_ink(ink, hand / INK)
     atomic_write(hand / PICTURE, encode_png(ink_picture(ink, _LONGER)))
     pressed = bool(np.isfinite(ink.samples[:, 3]).any())
-    write_record(HandCard(strokes=len(ink), pressed=pressed), hand / CARD)
+    write_record(HandCard(strokes=len(ink), pressed=pressed, notes=tuple(notes)), hand / CARD)

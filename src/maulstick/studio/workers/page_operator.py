@@ -42,10 +42,14 @@ class PageOperator(Operator):
     """Operator who sees and answers on the page, over the line to the studio.
 
     painted: number of strokes that are painted already.  questions: numbers of requests, each of which comes once.
+    former: file of a picture of an earlier run's sheet, removed once the machine is there, or None.
     """
 
-    def __init__(self, line: Line, setup: PaintSetup, painted: int, questions: Iterator[int]) -> None:
+    def __init__(
+        self, line: Line, setup: PaintSetup, painted: int, questions: Iterator[int], former: Path | None
+    ) -> None:
         super().__init__(setup.robot)
+        self._former = former
         self._line, self._setup = line, setup
         self._questions, self._question, self._done = questions, 0, threading.Event()
         self._stroke = painted
@@ -58,7 +62,9 @@ class PageOperator(Operator):
         self._photograph_due = 0.0
 
     def expect(self, estimate: Estimate) -> None:
-        """As in `Operator`."""
+        """As in `Operator`; the machine is there."""
+        if self._former is not None:
+            self._former.unlink(missing_ok=True)
         self._line.say(estimate)
 
     @contextmanager

@@ -33,6 +33,7 @@ def paint_in_process(line: Line, request: "PaintRequest", unfinished: bool | Non
     line.heard_by(commands.hear, lambda: farewell(lambda: commands.hear(Command.STOP)))
     from maulstick.jobs.paint import session
     from maulstick.studio.workers.page_operator import PageOperator
+    from maulstick.studio.workers.plan_pictures import rehearsed_sheet
 
     def is_painted(number: int) -> bool:
         if unfinished is None:
@@ -40,9 +41,10 @@ def paint_in_process(line: Line, request: "PaintRequest", unfinished: bool | Non
         return unfinished
 
     questions = count(1)
+    former = None if request.resume else rehearsed_sheet(request.painting)
 
     def operator_for(setup: "PaintSetup", painted: Collection[int]) -> PageOperator:
-        operator = PageOperator(line, setup, len(painted), questions)
+        operator = PageOperator(line, setup, len(painted), questions, former)
         for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGUSR1):
             signal.signal(number, operator.interrupt)
         commands.belong_to(operator)

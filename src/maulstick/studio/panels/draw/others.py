@@ -59,6 +59,8 @@ class OtherHands:
                 picture.classes("picture").props("loading=lazy")
             ui.label(title).classes("name")
             ui.label("not read yet" if card is None else _summary(card)).classes("hint")
+            for note in () if card is None else card.notes:
+                ui.label(note).classes("hint")
             trouble = _trouble()
             with ui.element().classes("line"):
                 if hands.is_drawn(name):

@@ -51,6 +51,7 @@ class Controls:
         state, progress = self._run.state, self._run.state.progress
         if not state.is_on:
             self._show_answer(None)
+            self._paints = ("", ())  # another drawing may have that name when the next one is painted
             return
         self._title.text = f"{self._run.title} · {machine_name(state.options.machine)}"
         self._question.visible, self._message.text = bool(state.question), f"Please {state.question}."

@@ -112,7 +112,11 @@ class PictureChoice:
             offer_undo(client, f"{title} is in the trash", lambda: gallery.take_back(trashed))
 
     async def _use_portrait(self) -> None:
-        await self._take(self._studio.gallery.keep_portrait())
+        self._portrait.props("loading")
+        try:
+            await self._take(self._studio.gallery.keep_portrait())
+        finally:
+            self._portrait.props(remove="loading")
 
     async def _take(self, kept: Awaitable[str]) -> None:
         self._chosen = await kept

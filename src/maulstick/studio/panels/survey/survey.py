@@ -1,6 +1,8 @@
 """Panel of surveys: a form for a new one, and the links and the results of each."""
 
-from collections.abc import Mapping
+import json
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 
 from nicegui import background_tasks, html, ui
@@ -19,6 +21,10 @@ from maulstick.survey.answers import Participant
 
 _STYLE = Path(__file__).with_name("survey.css")
 _MOST_SHOWN = 40  # links; all of them can be copied
+_PAUSE = 1.0  # seconds without the button after a click, longer than a double click takes
+_COPY = "try { await navigator.clipboard.writeText(TEXT); return true; } catch { return false; }"
+_LONGEST_COPY = 10.0  # seconds for the page to answer
+_COPIED_LINKS = "links.txt"
 
 
 def build(studio: Studio, query: Mapping[str, str]) -> None:
@@ -93,7 +99,7 @@ class _Survey:
             with ui.element().classes("line"):
                 self._more = ui.number("How many people?", value=10, min=1, max=1000, precision=0)
                 self._more.props("outlined dense").classes("how-many")
-                ui.button("Make their links", icon="add_link", on_click=self._invite)
+                self._make = ui.button("Make their links", icon="add_link", on_click=self._invite)
                 self._all = ui.button("Copy all links", icon="content_copy", on_click=self._copy_all).props("outline")
                 ui.button("Rename", icon="edit", on_click=self._ask_for_title).props("flat")
                 ui.button("Throw away", icon="delete", on_click=self._throw_away).props("flat")
@@ -149,7 +155,7 @@ class _Survey:
                     state = f"{person.answered} answered" if person.begun else "not begun"
                     ui.label(f"Person {person.number}, {state}").classes("who figure")
                     ui.input(value=link).props("readonly dense outlined").props(f'aria-label="Link {person.number}"')
-                    copy = ui.button("Copy", on_click=lambda link=link: _copy(link, "The link is copied."))
+                    copy = ui.button("Copy", on_click=lambda link=link: _copy([link], "The link is copied."))
                     copy.props("flat").props(f'aria-label="Copy link {person.number}"')
             if len(waiting) > _MOST_SHOWN:
                 html.li(f"and {len(waiting) - _MOST_SHOWN} more, which “Copy all links” copies too").classes("hint")
@@ -161,12 +167,15 @@ class _Survey:
         count = self._more.value
         if not isinstance(count, int | float) or count != int(count):
             raise InputError.of_range("the number of people", count, "a whole number from 1 to 1000")
+        self._make.disable()  # or a double click would make them twice
+        with self._root:
+            ui.timer(_PAUSE, self._make.enable, once=True)
         await self._surveys.invite(self._name, int(count))
         ui.notify("The links are made. Give each to one person.")
 
-    def _copy_all(self) -> None:
+    async def _copy_all(self) -> None:
         waiting = [person for person in self._people or () if not person.finished]
-        _copy("\n".join(map(self._link, waiting)), f"Copied, one per line: {len(waiting)}.")
+        await _copy([*map(self._link, waiting)], f"Copied, one per line: {len(waiting)}.")
 
     async def _download(self) -> None:
         csv = await self._surveys.csv(self._name)
@@ -182,9 +191,17 @@ class _Survey:
         )
 
 
-def _copy(text: str, done: str) -> None:
-    ui.clipboard.write(text)
-    ui.notify(done)
+async def _copy(links: Sequence[str], done: str) -> None:
+    """Copy links, one per line, and say `done`; save them as a file where the browser lets the page copy nothing."""
+    page, text, is_copied = ui.context.client, "\n".join(links), False
+    with suppress(TimeoutError):
+        is_copied = await page.run_javascript(_COPY.replace("TEXT", json.dumps(text)), timeout=_LONGEST_COPY)
+    with page:  # the button may be gone
+        if is_copied:
+            ui.notify(done)
+            return
+        ui.download.content(text, _COPIED_LINKS, "text/plain")
+        ui.notify(f"A browser copies nothing from a page over plain HTTP; saved as {_COPIED_LINKS} instead.")
 
 
 def _tables(report: SurveyReport) -> None:
