@@ -146,6 +146,17 @@ def test_a_style_is_replaced_only_when_told_to(here: Path, cat: str) -> None:
     assert cards.read_card(cards.style_path("cat")).strokes == 14
 
 
+def test_a_folder_that_no_style_can_be_kept_in_is_told_before_it_is_learned(
+    here: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Hand, "of", lambda strokes: pytest.fail("it was learned"))
+    Path("data").write_bytes(b"before")
+    ran = run("style", "fit", "cat.ink.npz", "--name", "cat")
+    assert ran.code == 1
+    folder = here / "data" / "maulstick" / "styles"
+    assert ran.mistake == f"cannot write into the folder {folder}: Not a directory; make room for it there"
+
+
 def test_a_style_that_somebody_else_learns_meanwhile_is_not_replaced(
     here: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

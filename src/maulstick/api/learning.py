@@ -53,7 +53,8 @@ def fit_style(
     ink: `Ink`, `Strokes`, or a path to .ink.npz or .strokes.npz; or several of these.
     kind: ``exemplar``, the strokes themselves and a density around them, or ``trajvae``, the paper's network.
     keep: keep it among your own styles, for `plan` by its name, in place of an earlier one of that name.
-    Raises InputError for strokes that are too few or unlike any, and for a name that cannot be used.
+    Raises InputError for strokes that are too few or unlike any, and for a name that cannot be used, and OutputError
+    where it cannot be kept.
 
         >>> fit_style(ink, "me").name
         'me'
@@ -61,12 +62,12 @@ def fit_style(
     several = [ink] if isinstance(ink, Recorded) else list(ink)
     STYLES.check_own_name(name, overwrite=True) if keep else STYLES.check_name(name)
     strokes = strokes_of(several)
-    with needs_torch():
+    with needs_torch(), made_folder(STYLES.own(), MAKE_ROOM) if keep else nullcontext():
         style = learn_style(name, strokes, kind)
-    if keep:
-        from maulstick.style.store import write_style
+        if keep:
+            from maulstick.style.store import write_style
 
-        write_style(style, "Python", STYLES.own())
+            write_style(style, "Python", STYLES.own())
     return style
 
 

@@ -13,6 +13,7 @@ from rich.text import Text
 from maulstick.errors import InputError
 from maulstick.jobs.learn import KINDS, learn_style, strokes_of
 from maulstick.storage.arrays import Floats
+from maulstick.storage.folders import MAKE_ROOM, made_folder
 from maulstick.strokes.strokes import path_lengths
 from maulstick.style.cards import STYLES
 
@@ -54,11 +55,12 @@ def fit(
 
     started = time.monotonic()
     strokes = strokes_of(files)
-    with Console(stderr=True).status("learning …"):
-        style = learn_style(name, strokes, kind)
+    with made_folder(STYLES.own(), MAKE_ROOM):
+        with Console(stderr=True).status("learning …"):
+            style = learn_style(name, strokes, kind)
+        STYLES.check_own_name(name, overwrite)  # another process may have taken it meanwhile
+        path = write_style(style, ", ".join(file.name for file in files), STYLES.own())
     hand = style.hand
-    STYLES.check_own_name(name, overwrite)  # another process may have taken it meanwhile
-    path = write_style(style, ", ".join(file.name for file in files), STYLES.own())
     rows = {
         "strokes": f"{len(hand)}{_left_out(len(strokes) - len(hand))}",
         "lengths": _lengths(path_lengths(hand.paths)),
