@@ -127,6 +127,8 @@ def test_four_corners_do_where_there_are_no_tags(photos: None, photographs: dict
     ("words", "code", "text"),
     [
         (("none.png",), 2, "there is no picture none.png; check its name and folder"),
+        ((".",), 2, ". is a folder; name the picture itself"),
+        (("chart.png", "--out", "no/flat.png"), 1, "cannot write no/flat.png: its folder does not exist; make the fo"),
         (("hidden.png",), 2, "only 2 of the 4 tags are seen (0, 3); uncover and light 1 (upper right), 2 (lower "),
         (("chart.png", "--out", "flat.jpg"), 2, "--out is flat.jpg; an image is written as PNG"),
         (("chart.png", "--out", "bare.png"), 1, "bare.png is already there; choose another --out"),

@@ -13,8 +13,8 @@ from rich.table import Table
 from rich.text import Text
 
 from maulstick.brush_fit.trials import Trials
-from maulstick.cli.folder import check_absent
-from maulstick.errors import InputError, OutputError
+from maulstick.cli.folder import check_place
+from maulstick.errors import InputError
 from maulstick.painting.brush import BRUSHES, write_brush
 from maulstick.storage.files import atomic_write
 from maulstick.storage.folders import MAKE_ROOM, made_folder
@@ -74,9 +74,7 @@ def fit(
 def _check_plot(plot: Path, overwrite: bool) -> None:
     if plot.suffix.lower() != ".png":
         raise InputError(f"--plot is {plot}; a picture is written as PNG, so let its name end in .png")
-    if not plot.parent.is_dir():
-        raise OutputError(f"cannot write {plot}: its folder does not exist; make the folder first")
-    check_absent(plot, "--plot", overwrite)
+    check_place(plot, "--plot", overwrite)
 
 
 def _source(trials: Trials) -> str:

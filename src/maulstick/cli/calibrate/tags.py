@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from maulstick.cli.folder import check_absent
+from maulstick.cli.folder import check_place
 from maulstick.cli.lengths import metres
 from maulstick.painting.raster import parse_size
 
@@ -24,7 +24,7 @@ def tags(
     Example: maulstick calibrate tags --size 200x160mm --out tags.pdf
     """
     width, height = parse_size(size)
-    check_absent(out, "--out", overwrite)
+    check_place(out, "--out", overwrite)
     from maulstick.calibration.tag_page import write_tag_page
     from maulstick.robot.camera.tag_frame import TagFrame
 
