@@ -87,7 +87,7 @@ def test_groups_that_nobody_named_or_that_are_very_many_are_no_pens(read: Read) 
     [
         "#f00", "red", "rgb(255,0,0)", "RGB( 255 , 0, 0 )", "rgb(255 0 0)", "rgb(255 0 0 / 50%)", "rgb(254.9,0.2,0)",
         "rgb(100% 0% 0%)", "rgba(255,0,0,.5)", "hsl(0,100%,50%)", "hsl(0deg 100% 50%)", "#ff0000 icc-color(a,1)",
-        "url(#gradient) rgb(255 0 0)",
+        "url(#gradient) rgb(255 0 0)", "hsl(1turn 100 50)", "hwb(0 0% 0%)", "rgb(255,/* red */0,0)", "rgb(300 -5 0)",
     ],
 )  # fmt: skip
 def test_a_colour_is_the_same_in_all_forms_that_programs_write(read: Read, colour: str) -> None:
@@ -100,6 +100,20 @@ def test_a_colour_that_nobody_sees_is_none(read: Read, colour: str) -> None:
     assert read(f'<path stroke="{colour}" fill="blue" d="M0 9h9"/>').painting.paints[0].hex == "#0000ff"
 
 
+@pytest.mark.parametrize("colour", ["#12", "#12345", "#gg0000", "rgb(1 2)", "hsl(red)", "var(--ink)", "lab(50 40 20)"])
+def test_a_faulty_colour_is_named(read: Read, colour: str) -> None:
+    assert f"the colour '{colour}' is taken for black" in read(f'<path stroke="{colour}" d="M0 9h9"/>').notes[0]
+    unseen = read(f'<path stroke="#f00" fill="{colour}" fill-opacity="0" d="M0 9h9"/>')
+    assert (unseen.painting.paints[0].hex, unseen.notes) == ("#ff0000", ())
+
+
+def test_initial_colours_are_those_of_what_says_none(read: Read) -> None:
+    initial = read('<g stroke="#f00"><path stroke="initial" fill="#00f" d="M0 9h9v9"/></g>')
+    assert ([paint.hex for paint in initial.painting.paints], initial.notes) == (["#0000ff"], ())
+    inherits = read('<g stroke="#f00"><path stroke="unset" d="M0 9h9"/></g>')
+    assert (inherits.painting.paints[0].hex, inherits.notes) == ("#ff0000", ())
+
+
 @pytest.mark.parametrize("colour", ["black", "#000", "rgb(0 0 0)", "url(#gradient)", "currentColor"])
 def test_black_is_no_colour_that_is_not_known(read: Read, colour: str) -> None:
     drawing = read(f'<path stroke="{colour}" d="M0 9h9"/>')
@@ -107,15 +121,15 @@ def test_black_is_no_colour_that_is_not_known(read: Read, colour: str) -> None:
 
 
 def test_a_colour_of_a_form_that_is_not_read_is_black_and_a_note_names_it(read: Read) -> None:
-    lines = ("stroke", "red"), ("stroke", "oklch(60% 0.2 30)"), ("fill", "hwb(0 0% 0%)")
+    lines = ("stroke", "rebeccapurple"), ("stroke", "oklch(60% 0.2 30)"), ("fill", "lab(50% 40 20)")
     hidden = (
         '<clipPath id="c"><path fill="var(--hue)" d="M0 0h90v90z"/></clipPath><path clip-path="url(#c)" d="M0 5h9"/>'
     )
     assert read(hidden).notes == ()
     drawing = read("".join(f'<path {name}="{value}" d="M0 {9 * i}h9"/>' for i, (name, value) in enumerate(lines)))
-    assert [paint.hex for paint in drawing.painting.paints] == ["#ff0000", "#000000"]
+    assert [paint.hex for paint in drawing.painting.paints] == ["#663399", "#000000"]
     assert drawing.notes == (
-        "the colour 'oklch(60% 0.2 30)' is taken for black, as all are but #rrggbb, rgb(), hsl() and names; "
+        "the colour 'oklch(60% 0.2 30)' is taken for black, as all are but #rrggbb, rgb(), hsl(), hwb() and names; "
         "write it as #rrggbb",
     )
 

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from functools import cache
 from typing import Final
 
-from svgelements import Color  # type: ignore[import-untyped]
+from tinycss2.color4 import parse_color  # type: ignore[import-untyped]
 
 Style = Mapping[str, str]
 
@@ -43,10 +43,10 @@ GEOMETRY: Final = frozenset({"cx", "cy", "d", "height", "r", "rx", "ry", "width"
 """Properties that are read from attributes alone, but for the size of the page."""
 
 _URL = re.compile(r"url\(\s*['\"]?#([^'\")]*)['\"]?\s*\)(.*)")
-_FUNCTION = re.compile(r"(rgb|hsl)a?\((.*)\)", re.IGNORECASE)
-_BETWEEN = re.compile(r"[\s,/]+")  # numbers of a function, as of today and before
+_PROFILE = re.compile(r" icc-color\(.*")  # beside the colour for who has none
+_NO_COLOUR = frozenset({"none", "context-fill", "context-stroke"})
+_INITIAL = frozenset({"initial", "revert", ""})
 _BLACK = (0.0, 0.0, 0.0)
-_SAID_BLACK = re.compile(r"|black|#.*|(?:rgb|hsl)a?\(.*", re.IGNORECASE | re.DOTALL)
 
 Rgb = tuple[float, float, float]
 """Colour in sRGB, [0, 1]."""
@@ -72,18 +72,20 @@ def colour_of(style: Style, name: str, otherwise: str) -> Rgb | None:
 
 
 def unread(style: Style, name: str) -> str | None:
-    """Return the colour of a fill or stroke as it stands in the file, where it is of a form that is not read."""
+    """Return the colour of a fill or stroke as the file has it, where it is seen, and of a form that is not read."""
     value = _value(style, name, "none")
     try:
         _parsed(value)
     except ValueError:
-        return value
+        return None if is_zero(style.get(f"{name}-opacity")) else value
     return None
 
 
 def _value(style: Style, name: str, otherwise: str) -> str:
     value = style.get(name, otherwise).strip()
-    return style.get("color", "black").strip() if value.lower() == "currentcolor" else value
+    if value.lower() == "currentcolor":
+        return style.get("color", "black").strip()
+    return otherwise if value.lower() in _INITIAL else value
 
 
 def is_zero(opacity: str | None) -> bool:
@@ -96,30 +98,16 @@ def is_zero(opacity: str | None) -> bool:
 
 @cache
 def _parsed(value: str) -> Rgb | None:
+    """Return a colour, None where nothing is seen. Raises ValueError for a form that is not read."""
     if (match := _URL.match(value)) is not None:
         return _parsed(match[2].strip()) if match[2].strip() else _BLACK
-    if value.lower() in ("none", "transparent", "context-fill", "context-stroke"):
+    if value.lower() in _NO_COLOUR:
         return None
-    try:
-        colour = Color(_plain(value))
-    except (TypeError, IndexError) as error:
-        raise ValueError(value) from error
-    if colour.value is None or colour.alpha == 0:
-        return None
-    rgb = colour.red / 255, colour.green / 255, colour.blue / 255
-    if rgb == _BLACK and _SAID_BLACK.fullmatch(value) is None:  # as svgelements has all that it does not know
+    colour = parse_color(_PROFILE.sub("", value))
+    if colour is None or isinstance(colour, str):  # the name of another colour
         raise ValueError(value)
-    return rgb
-
-
-def _plain(value: str) -> str:
-    """Return a colour in a form that svgelements reads: commas, whole numbers of RGB, and no opacity but 0."""
-    value = value.partition(" icc-color(")[0]
-    if (function := _FUNCTION.fullmatch(value)) is None:
-        return value
-    name, numbers = function[1].lower(), _BETWEEN.split(function[2].strip())
-    if name == "rgb":
-        numbers[:3] = [each if each.endswith("%") else f"{float(each):.0f}" for each in numbers[:3]]
-    else:
-        numbers[0] = numbers[0].removesuffix("deg")
-    return f"{name}a({','.join(numbers[:3])},{0 if is_zero(''.join(numbers[3:]) or None) else 1})"
+    try:
+        red, green, blue = (round(255 * min(max(x, 0.0), 1.0)) / 255 for x in colour.to("srgb").coordinates)
+    except NotImplementedError as error:
+        raise ValueError(value) from error
+    return None if colour.alpha == 0 else (red, green, blue)

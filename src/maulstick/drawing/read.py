@@ -216,7 +216,7 @@ def _notes(walk: Walk, pens: Sequence[Pen], placed: Placed, sheet: Sheet) -> lis
     if walk.passed_over:
         notes.append(f"passed over: {', '.join(sorted(walk.passed_over))}")
     if walk.unread is not None:
-        read = "#rrggbb, rgb(), hsl() and names"
+        read = "#rrggbb, rgb(), hsl(), hwb() and names"
         notes.append(f"the colour {walk.unread[:60]!r} is taken for black, as all are but {read}; write it as #rrggbb")
     if walk.sheet.unread is not None:
         rule, read = f"rule for {walk.sheet.unread[:60]!r}", "names, classes and ids, with > or a space between,"

@@ -104,7 +104,7 @@ class StyleSheet:
         declared.append(_declared(element.get("style", "")))
         for properties in (*(each.usual for each in declared), *(each.important for each in declared)):
             given |= properties
-        return {name: value for name, value in given.items() if value != "inherit"}
+        return {name: value for name, value in given.items() if value not in ("inherit", "unset")}
 
     def _add(self, selectors: str, declared: _Declared) -> None:
         for text in filter(None, (" ".join(each.split()) for each in _listed(selectors))):
