@@ -29,7 +29,7 @@ def test_a_tray_is_read_from_its_file(tmp_path: Path) -> None:
     [
         ({"schema_version": 2}, "schema_version"),
         ({"reach": 0}, "reach"),
-        ({"reach": 600}, "reach"),
+        ({"reach": 600}, "it is 600 m; it must be at most 20, so divide millimetres by 1000"),
         ({"speed": -1}, "speed"),
         ({"depth": 1}, "depth"),
         (

@@ -54,8 +54,8 @@ def plan(
     options: defaults for everything else; changes: fields of `PlanOptions` that differ from them.
     progress: called after every step with a `PlanProgress` (done in [0, 1], loss, parts of the loss by name, canvas
     (3, H, W)); once it returns False, planning finishes what it has in some sixty steps.
-    workers: processes that plan windows of a large canvas at the same time, by default one per core; `progress` then
-    hears of each every two seconds, and the plan is the same with any number.
+    workers: processes that plan windows of a large canvas at the same time, by default one per core and 32 at
+    most; `progress` then hears of each every two seconds, and the plan is the same with any number.
 
     Raises InputError for a picture, an option or a file that cannot be used. Warns of what may be other than expected,
     as of a sheet that is larger than the machine of `robot` reaches.

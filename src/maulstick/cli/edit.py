@@ -75,6 +75,8 @@ def edit(
     if out.suffix.lower() != ".json":
         raise InputError(f"--out is {out}; a painting is written as JSON, so let its name end in .json")
     check_place(out, "--out", overwrite)
+    if out.resolve() in {Path(text.partition(":")[2]).resolve() for text in add or []}:
+        raise InputError(f"--out is {out}, a drawing that --add names; choose another --out")
     before = read_painting(painting)
     edits: list[StrokeEdit] = []
     for text in repaint or []:
@@ -115,7 +117,7 @@ def _drawn(text: str, painting: Painting) -> list[AddStroke]:
     from maulstick.recording.files.ink_files import read_ink_file  # loads parsers
 
     path, paint = Path(file), _index(int(number), painting)
-    ink = read_ink(path) if path.suffix == ".npz" else read_ink_file(path, note=_print_note)[0]
+    ink = read_ink(path) if path.suffix.lower() == ".npz" else read_ink_file(path, note=_print_note)[0]
     strokes = []
     for samples in ink.strokes():
         points = samples[:, 1:4]

@@ -46,10 +46,10 @@ def render(
     path = out or painting.parent / f"{painting.stem}-{px}px.png"
     if path.suffix.lower() != ".png":
         raise InputError(f"--out is {path}; an image is written as PNG, so let its name end in .png")
+    check_place(path, "--out", overwrite)
     plan = read_plan(
         painting, drawing_options(size, margin, rotate, hatch, hatch_hand, no_repeats, shortest, keep_order)
     )
-    check_place(path, "--out", overwrite)
     from maulstick.rendering.preview import preview_of_height  # loads torch
 
     atomic_write(path, encode_png(preview_of_height(plan, px)))

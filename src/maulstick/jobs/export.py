@@ -26,6 +26,7 @@ DIALECTS: Final[tuple[Dialect, ...]] = ("grbl", "marlin")
 """Dialects of G-code."""
 
 _THIN, _CLEAR = 1e-6, 0.05  # metres below and above the paper that any machine reaches
+_NOTED = 1e-5  # metres beyond the sheet: less is rounding
 _MOST_PENS = 99  # of a carousel: more than any plotter had
 _SPEED = 0.05  # metres per second: slow enough for most pens and plotters
 
@@ -104,10 +105,7 @@ def exported(painting: Painting, options: ExportOptions) -> Export:
     plan = sequenced(painting, (0.0, 0.0))
     if not plan.strokes:
         raise InputError("the painting has no strokes; plan it again with more")
-    if options.format == "svg":
-        notes = (note,) if (note := flattened_note(plan)) else ()
-        return Export(_svgs(plan) if options.per_pen else (ExportFile(axidraw_svg(plan)),), notes)
-    export = _for_machine(plan, options)
+    export = _svgs(plan, options) if options.format == "svg" else _for_machine(plan, options)
     return replace(export, notes=(*export.notes, note)) if (note := _edge_note(plan)) else export
 
 
@@ -133,20 +131,27 @@ def _for_machine(plan: Painting, options: ExportOptions) -> Export:
 
 def _edge_note(plan: Painting) -> str:
     """Return a sentence that says how far strokes reach beyond the sheet, or ""."""
-    beyond = max(float(plan.sheet.overhang(part.trajectories()[..., :2]).max()) for part in plan.parts())
-    if beyond <= _THIN:
+    if (beyond := _beyond(plan)) <= _NOTED:
         return ""
     return f"strokes reach up to {1e3 * beyond:.2g} mm beyond the sheet; let the machine have so much room around it"
 
 
-def _svgs(plan: Painting) -> tuple[ExportFile, ...]:
-    """Return an SVG for each paint that draws anything, in the order in which they first do."""
+def _beyond(plan: Painting) -> float:
+    """Return how far strokes reach beyond the sheet, metres."""
+    return max(float(plan.sheet.overhang(part.trajectories()[..., :2]).max()) for part in plan.parts())
+
+
+def _svgs(plan: Painting, options: ExportOptions) -> Export:
+    """Return one SVG, or one for each paint that draws anything, in the order in which they first do."""
+    notes = (note,) if (note := flattened_note(plan)) else ()
+    if not options.per_pen:
+        return Export((ExportFile(axidraw_svg(plan)),), notes)
     used = dict.fromkeys(stroke.paint for stroke in plan.strokes)
     files = []
     for paint in used:
         alone = plan.model_copy(update={"strokes": tuple(s for s in plan.strokes if s.paint == paint)})
         files.append(ExportFile(axidraw_svg(alone), _pen(plan, paint) if len(used) > 1 else ""))
-    return tuple(files)
+    return Export(tuple(files), notes)
 
 
 def _loads(plan: Painting, loads: list[CarouselLoad]) -> Export:
@@ -171,7 +176,8 @@ def _at_the_origin(plan: Painting) -> Easel:
 
 def _around(plan: Painting, easel: Easel, tray: Tray | None, speed: float) -> Limits:
     """Return limits for an unknown machine at that speed: where strokes may be, as deep as allowed, and the tray."""
-    across, along = ((-OFF_SHEET, side + OFF_SHEET) for side in (plan.sheet.width, plan.sheet.height))
+    around = max(OFF_SHEET, _beyond(plan))  # which rounding may take a little farther
+    across, along = ((-around, side + around) for side in (plan.sheet.width, plan.sheet.height))
     ends = [[x, y, z] for x in across for y in along for z in (-max(easel.deepest, _THIN), _CLEAR)]
     places = [np.array(ends)]
     if tray is not None:

@@ -64,12 +64,19 @@ class Tray(_Part):
     """
 
     schema_version: Literal[1]
-    reach: Annotated[float, Field(gt=0, le=_LONGEST, allow_inf_nan=False)]
+    reach: _Above
     clearance: _Above
     speed: _Above = 0.05
     paints: dict[Name, Well]
     water: Well
     cloth: Well
+
+    @field_validator("reach")
+    @classmethod
+    def _in_metres(cls, reach: float) -> float:
+        if reach > _LONGEST:
+            raise ValueError(f"it is {reach:g} m; it must be at most {_LONGEST:g}, so divide millimetres by 1000")
+        return reach
 
     @field_validator("paints")
     @classmethod

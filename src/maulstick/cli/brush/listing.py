@@ -6,7 +6,7 @@ from rich.text import Text
 
 from maulstick.cli.wording import COMMAND_LINE
 from maulstick.errors import InputError
-from maulstick.painting.brush import BRUSHES, load_brush
+from maulstick.painting.brush import BRUSHES, load_brush, load_pen_brush
 from maulstick.painting.pens import PENS, load_pen
 
 
@@ -41,10 +41,13 @@ def list_pens() -> None:
         table.add_column(column, justify="right" if column == "width" else "left", overflow="fold")
     for name, path in PENS.paths().items():
         try:
-            pen = load_pen(name)
+            pen, (brush, _) = load_pen(name), load_pen_brush(name)
         except InputError as error:
             table.add_row(name, "", "", "", Text(f"cannot be used: {COMMAND_LINE.say(error)}"))
             continue
-        whose = "" if PENS.is_built_in(path) else "your own: "
-        table.add_row(name, f"{1e3 * pen.width:g} mm", pen.colour, Text(pen.kind), Text(f"{whose}{pen.label}"))
+        if name in BRUSHES.paths():
+            width, told = f"{2e3 * brush.widest:.3g} mm", f"your own brush: {brush.source}"
+        else:
+            width, told = f"{1e3 * pen.width:g} mm", f"{'' if PENS.is_built_in(path) else 'your own: '}{pen.label}"
+        table.add_row(name, width, pen.colour, Text(pen.kind), Text(told))
     Console().print(table)

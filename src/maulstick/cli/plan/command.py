@@ -214,7 +214,7 @@ def plan(
         int | None,
         _planning(
             metavar="N",
-            show_default="one per core",
+            show_default="one per core, at most 32",
             help="Processes that plan windows of a large canvas at the same time. Any number gives the same plan.",
         ),
     ] = None,

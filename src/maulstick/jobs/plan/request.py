@@ -28,7 +28,8 @@ class PlanRequest:
     """A picture, or None where there is only a text or a look, and options; files as absolute paths.
 
     tries: plans from so many seeds, of which the best is kept.  video: the format to record the planning in, if any.
-    workers: processes that plan windows of a large canvas at the same time; None for one per core.
+    workers: processes that plan windows of a large canvas at the same time; None for one per core,
+    at most `MOST_WORKERS`.
     sums: SHA-256 of each file, and of the brush and the style, by name.
 
     Raises InputError for a value that is out of its range, and for a video of several tries.

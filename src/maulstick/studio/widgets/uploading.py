@@ -143,7 +143,7 @@ async def small_content(file: events.UploadEventArguments, what: str) -> bytes:
 
 
 def _miss() -> None:
-    raise InputError("that file did not arrive, for the line to the studio broke off; bring it again")
+    raise InputError("that file did not arrive; bring it again, and where that is of no help, load the page again before")
 
 
 def _refuse() -> None:

@@ -1,5 +1,6 @@
 """Panel of surveys: a form for a new one, and the links and the results of each."""
 
+import asyncio
 import json
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
@@ -168,9 +169,10 @@ class _Survey:
         if not isinstance(count, int | float) or count != int(count):
             raise InputError.of_range("the number of people", count, "a whole number from 1 to 1000")
         self._make.disable()  # or a double click would make them twice
-        with self._root:
-            ui.timer(_PAUSE, self._make.enable, once=True)
-        await self._surveys.invite(self._name, int(count))
+        try:
+            await asyncio.gather(self._surveys.invite(self._name, int(count)), asyncio.sleep(_PAUSE))
+        finally:
+            self._make.enable()
         ui.notify("The links are made. Give each to one person.")
 
     async def _copy_all(self) -> None:
@@ -201,7 +203,7 @@ async def _copy(links: Sequence[str], done: str) -> None:
             ui.notify(done)
             return
         ui.download.content(text, _COPIED_LINKS, "text/plain")
-        ui.notify(f"A browser copies nothing from a page over plain HTTP; saved as {_COPIED_LINKS} instead.")
+        ui.notify(f"The browser lets this page copy nothing; saved as {_COPIED_LINKS} instead.")
 
 
 def _tables(report: SurveyReport) -> None:
