@@ -143,7 +143,7 @@ async def small_content(file: events.UploadEventArguments, what: str) -> bytes:
 
 
 def _miss() -> None:
-    raise InputError("that file did not arrive; bring it again, and where that is of no help, load the page again before")
+    raise InputError("that file did not arrive; bring it again, after loading the page where that is of no help")
 
 
 def _refuse() -> None:
