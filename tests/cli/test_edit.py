@@ -158,6 +158,15 @@ def test_a_drawing_that_does_not_say_how_large_it_is_is_added_with_a_note(folder
     assert lengths[0] > lengths[1]
 
 
+def test_a_drawing_that_is_added_is_not_written_over(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(folder)
+    before = Path("line.json").read_bytes()
+    words = ("--add", f"1:{folder / 'line.json'}", "--out", "line.json", "--overwrite")
+    ran = run("edit", "plan/painting.json", *words)
+    assert (ran.code, ran.mistake) == (2, "--out is line.json, a drawing that --add names; choose another --out")
+    assert Path("line.json").read_bytes() == before
+
+
 def test_it_must_be_said_where_to_write(folder: Path) -> None:
     ran = run("edit", folder / "plan" / "painting.json", "--lock", "1")
     assert ran.mistake == "name the file to write, with --out cat/mine.json"

@@ -145,7 +145,7 @@ def test_without_any_depth_gcode_by_height_is_refused() -> None:
 def test_strokes_that_reach_a_millimetre_beyond_the_sheet_are_exported_with_a_note(here: Path) -> None:
     strokes = [line(0, (-0.001, 0.01), (0.03, 0.01)), line(1, (0.01, HEIGHT + 5e-4), (0.03, HEIGHT))]
     write_painting(painting_of(strokes, [nominal("fineliner")]), here / "painting.json")
-    for words in (("--servo", "30,90"), ("--format", "hpgl"), ("--format", "json")):
+    for words in (("--servo", "30,90"), ("--format", "hpgl"), ("--format", "json"), ("--format", "svg")):
         ran = run("export", "painting.json", *words)
         assert ran.code == 0, ran.stderr
         assert "note: strokes reach up to 1 mm beyond the sheet; let the machine have so much room" in ran.stderr
@@ -154,6 +154,15 @@ def test_strokes_that_reach_a_millimetre_beyond_the_sheet_are_exported_with_a_no
     assert "Y-0.500" in text
     write_painting(painting_of(strokes[1:], [nominal("fineliner")], (0.06, HEIGHT + 5e-4)), here / "inside.json")
     assert run("export", "inside.json", "--servo", "30,90").stderr == ""
+
+
+def test_what_rounding_takes_past_that_millimetre_is_exported_too(here: Path) -> None:
+    write_painting(
+        painting_of([line(0, (-0.001001, 0.01), (0.03, 0.01))], [nominal("fineliner")]), here / "painting.json"
+    )
+    ran = run("export", "painting.json", "--servo", "30,90")
+    assert ran.code == 0, ran.stderr
+    assert "X-1.001" in Path("painting.plot.gcode").read_text()
 
 
 def test_nothing_is_overwritten_unless_it_is_asked_for() -> None:
