@@ -128,7 +128,7 @@ def locate(photo: Image, frame: TagFrame) -> CameraView:
         if repeated := repeated_tags(photo):
             twice = f"more than one tag {repeated[0]} ({_NAMES[repeated[0]]}) is seen"
             raise InputError(f"{twice}; take away all but the four tags at the corners of the sheet")
-        if is_mirrored(photo):
+        if not found and is_mirrored(photo):
             raise InputError("the photograph is mirrored; turn that off where the camera, or its app, is set")
         seen = f"only {len(found)} of the 4 tags {'is' if len(found) == 1 else 'are'} seen ({_listed(found)})"
         places = ", ".join(f"{tag} ({_NAMES[tag]})" for tag in TAGS if tag not in found)

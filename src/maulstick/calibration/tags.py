@@ -29,8 +29,8 @@ def repeated_tags(photo: Image) -> list[int]:
 
 
 def is_mirrored(photo: Image) -> bool:
-    """Return whether tags 0 to 3 are seen in the mirror image of a photograph (H, W, 3), sRGB in [0, 1], alone."""
-    return not any(_seen(photo).values()) and any(_seen(np.ascontiguousarray(photo[:, ::-1])).values())
+    """Return whether any tag 0 to 3 is seen in the mirror image of a photograph (H, W, 3), sRGB in [0, 1]."""
+    return any(_seen(np.ascontiguousarray(photo[:, ::-1])).values())
 
 
 def _seen(photo: Image) -> dict[int, list[Floats]]:
