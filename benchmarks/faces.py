@@ -28,9 +28,10 @@ from maulstick.painting.painting import Sheet
 from maulstick.planning.attention import find_faces
 from maulstick.planning.from_picture import as_painting, problem_of, provenance_of
 from maulstick.planning.layout import HEIGHT_PX, Layout, lay_out_for
-from maulstick.planning.losses import FACES, LossOptions
+from maulstick.planning.losses import LossOptions
 from maulstick.planning.planner import plan
 from maulstick.planning.problem import PlannerSettings
+from maulstick.planning.weights import FACES
 from maulstick.rendering.preview import truth
 from maulstick.style import load_style
 

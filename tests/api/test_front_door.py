@@ -180,7 +180,7 @@ def test_a_picture_of_another_kind_is_refused_and_never_clipped(picture: Any, sa
         ({"ink": "black", "paints": 3}, "paints and ink are two ways to say what to paint with"),
         ({"background": "none.jpg", "paper": "grey"}, "background shows the sheet as it is, and paper its colour"),
         ({"style": "nobody"}, "there is no style 'nobody'"),
-        ({"weights": {"tone": "much"}}, "the weight of tone is 'much'; it must be a number"),
+        ({"weights": {"tone": "much"}}, "the weight of tone is 'much'; it must be from 0 to 1000"),
         ({"size": (0.2, 0.16)}, "size is (0.2, 0.16); it must be of the kind str"),
         ({"paper": (0, 0, 0)}, "paper is (0, 0, 0); it must be of the kind str"),
         ({"ink": (0, 0, 0)}, "ink is (0, 0, 0); it must be of the kind str | None"),

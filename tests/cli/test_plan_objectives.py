@@ -143,7 +143,7 @@ def test_faces_that_are_not_to_count_more_are_noted_in_the_painting_and_are_no_t
             "there is no term to weigh 'beauty'; there are: edges, faces, likeness, look, sketch, text, tone",
         ),
         (["tone=-1"], "the weight of tone is -1.0; it must be from 0 to 1000"),
-        (["tone=nan"], "the weight of tone is nan; it must be a number"),
+        (["tone=nan"], "the weight of tone is nan; it must be from 0 to 1000"),
         (["tone=much"], "--weight is 'tone=much'; it must be a term and a number, as in edges=0.5"),
         (["tone"], "--weight is 'tone'; it must be a term and a number, as in edges=0.5"),
         (["=1"], "there is no term to weigh ''; there are: edges, faces, likeness, look, sketch, text, tone"),

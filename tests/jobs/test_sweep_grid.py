@@ -80,3 +80,10 @@ def test_paintings_of_the_last_axis_that_varies_stand_side_by_side() -> None:
     grid = grid_of({"axes": {"style": ["loops", "free"], "seed": [0, 1, 2], "steps": [3]}}, "the grid")
     assert grid.columns() == 3
     assert grid_of({"axes": {"seed": [0]}}, "the grid").columns() == 1
+
+
+def test_a_weight_of_no_term_is_refused_before_any_cell_is_planned() -> None:
+    with pytest.raises(InputError, match=r"the cell .*beauty-1.*: there is no term to weigh 'beauty'; there are: edge"):
+        cells({"weights": [{"tone": 1}, {"beauty": 1}]}, text="a boat")
+    with pytest.raises(InputError, match="look weighs the look of a picture, and there is none; give it, or leave the"):
+        cells({"weights": [{"look": 1}]}, picture="a.png")

@@ -7,7 +7,8 @@ import torch
 
 from maulstick.errors import InputError
 from maulstick.planning.features.network import Network
-from maulstick.planning.losses import STRENGTHS, LossOptions, Reference, losses_of
+from maulstick.planning.losses import LossOptions, Reference, losses_of
+from maulstick.planning.weights import STRENGTHS
 from tests.support.planning.tiny_network import TinyNetwork, noise
 
 PAPER = torch.ones(3)

@@ -3,7 +3,6 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cache
-from typing import Final
 
 import numpy as np
 import torch
@@ -24,17 +23,10 @@ from maulstick.planning.objectives import (
     sketch,
 )
 from maulstick.planning.problem import Weighted
+from maulstick.planning.weights import FACES, NEEDS, STRENGTHS, check_weights
 from maulstick.storage.arrays import Image
 
-STRENGTHS: Final = {"tone": 1.0, "edges": 0.01, "likeness": 0.02, "sketch": 0.02, "text": 0.1, "look": 0.01}
-"""Strength of each term at weight 1, by name: chosen so that a weight of 1 suits most pictures."""
-
-FACES: Final = "faces"
-"""Modifier among the weights, which is no term: how much more a face counts in all terms than its surroundings."""
-
-_NEEDS = {"text": "a text", "look": "the look of a picture"}
 _VIEWS = 32  # views per network loss: so many that no painting suits them by accident; each costs memory
-_HEAVIEST = 1000  # largest weight: beyond, no other term counts, and float32 may overflow
 
 
 @dataclass(frozen=True)
@@ -55,21 +47,16 @@ class LossOptions:
     contours: bool = True
 
     def __post_init__(self) -> None:
-        given = {"text": self.text, "look": self.look}
-        for name, weight in self.weights.items():
-            if name not in STRENGTHS and name != FACES:
-                raise InputError.of_choice("term to weigh", name, [*STRENGTHS, FACES])
-            if not 0 <= weight <= _HEAVIEST:
-                raise InputError.of_range(f"the weight of {name}", weight, f"from 0 to {_HEAVIEST}")
-            if name in given and weight and given[name] is None:
-                raise InputError(f"{name} weighs {_NEEDS[name]}, and there is none; give it, or leave the weight out")
-            if name in given and not weight and given[name] is not None:
-                raise InputError(f"{name}=0 leaves {_NEEDS[name]} out, and there is one; leave one of the two out")
+        check_weights(self.weights, self._given)
 
     @property
     def faces(self) -> float:
         """How much more a face counts than its surroundings, as `attention` takes it."""
         return float(self.weights.get(FACES, 1.0))
+
+    @property
+    def _given(self) -> dict[str, bool]:
+        return {"text": self.text is not None, "look": self.look is not None}
 
     def weights_to_keep(self, *, has_picture: bool) -> dict[str, float]:
         """Return the weights for a painting's file: of the terms, and of faces where it is given."""
@@ -78,11 +65,10 @@ class LossOptions:
 
     def weights_of_terms(self, *, has_picture: bool) -> dict[str, float]:
         """Return the weights above 0 by term. Raises InputError where none is, or a term lacks its picture."""
-        given = {"text": self.text is not None, "look": self.look is not None}
-        weights = {"tone": has_picture, **given, **self.weights}
+        weights = {"tone": has_picture, **self._given, **self.weights}
         counting = {name: float(weight) for name, weight in weights.items() if weight}
         for name in counting:
-            if not has_picture and name not in _NEEDS:
+            if not has_picture and name not in NEEDS:
                 raise InputError(f"{name} compares with a picture; name one, or leave that weight out")
         counting.pop(FACES, None)
         if not counting:

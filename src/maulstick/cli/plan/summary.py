@@ -8,7 +8,7 @@ from rich.table import Table
 from rich.text import Text
 
 from maulstick.painting.painting import Painting
-from maulstick.planning.losses import STRENGTHS
+from maulstick.planning.weights import STRENGTHS
 
 
 def print_summary(painting: Painting, seconds: float, out: Path, written: list[str]) -> None:

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
-from math import isfinite
 from pathlib import Path
 from typing import Any, Final, Literal
 
@@ -14,6 +13,7 @@ from maulstick.kinds import check_kinds
 from maulstick.painting.edit import WHOLE, Crop, PictureEdit
 from maulstick.painting.fit import FITS
 from maulstick.painting.raster import is_turned_by_picture, parse_margin, parse_sheet
+from maulstick.planning.weights import check_weights
 from maulstick.robot.machines import only_lifts
 from maulstick.storage.library import all_placed, placed
 
@@ -193,9 +193,7 @@ class PlanOptions:
             raise InputError(f"{option('drawing')} {self.drawing} is for ink; give {option('ink')}, or leave it out")
         if not (isinstance(self.arrange, int | float) and 0 <= self.arrange <= 1):
             raise InputError.of_range(option("arrange"), self.arrange, "from 0, not at all, to 1")
-        for name, weight in self.weights.items():
-            if not isinstance(weight, int | float) or not isfinite(weight):
-                raise InputError.of_range(f"the weight of {name}", repr(weight), "a number")
+        check_weights(self.weights, {"text": self.text is not None, "look": self.look is not None})
 
     @property
     def edit(self) -> PictureEdit:
