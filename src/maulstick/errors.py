@@ -136,11 +136,15 @@ def needs_torch() -> Iterator[None]:
 
 
 def validation_fault(error: "ValidationError") -> str:
-    """The first thing that a model refused, as ``field: what is wrong with it (got …)``."""
+    """The first thing that a model refused, as ``field: what is wrong with it (got …)``, or what we say ourselves."""
     fault = error.errors()[0]
     field = _dotted(fault["loc"]) or "the file"
+    ours = fault.get("ctx", {}).get("error")  # of a check of our own, which pydantic calls a value error
+    if isinstance(ours, InputError):
+        return f"{field}: {ours}"
+    told = str(ours) if isinstance(ours, ValueError) else fault["msg"]
     came = repr(fault["input"])
-    return f"{field}: {fault['msg']} (got {came if len(came) <= 60 else came[:57] + '...'})"
+    return f"{field}: {told} (got {came if len(came) <= 60 else came[:57] + '...'})"
 
 
 def _rebuilt(kind: type[Error], fault: str, remedy: Remedy | None, values: Mapping[str, object]) -> Error:

@@ -399,6 +399,16 @@ def test_one_ink_in_a_hand_that_is_arranged_is_drawn_in_its_order() -> None:
     assert ms.plan(demo_picture(), ink="black", **quick | {"style": "free"}).succession is None
 
 
+def test_lengths_by_which_an_svg_is_read_are_said_as_a_person_writes_them_or_in_metres(drawing: Path) -> None:
+    said = ms.read_painting(drawing, size="A4", margin="1cm", shortest="0.5 mm")
+    assert said == ms.read_painting(drawing, size=(0.21, 0.297), margin=0.01, shortest=0.0005)
+    assert said.sheet.millimetres == "210 x 297 mm"
+    with pytest.raises(InputError, match=r"^margin: '10' is not a length; write a number and a unit, as in 139mm, "):
+        ms.read_painting(drawing, margin="10")
+    with pytest.raises(InputError, match=r"^size: .*'B99'.* A4"):
+        ms.read_painting(drawing, size="B99")
+
+
 def test_an_svg_is_read_shown_and_painted(drawing: Path, tmp_path: Path) -> None:
     painting = ms.read_painting(drawing, rotate=90, keep_order=True)
     assert isinstance(painting, ms.Painting)

@@ -106,7 +106,7 @@ def test_an_easel_is_equal_to_that_in_its_file(tmp_path: Path) -> None:
         ),
         (
             json.dumps({"corner": [0, 0, 0], "right": [1, 0, 0], "down": [0, -1, 0], "pen": {"up": 5, "down": 5}}),
-            "pen: Value error, up and down are the same, so the pen is never lifted; give two numbers that differ",
+            "pen: up and down are the same, so the pen is never lifted; give two numbers that differ",
         ),
         ("", "is empty"),
     ],

@@ -69,7 +69,7 @@ def paint(
     by default a question on the terminal.
     options: fields of `PaintOptions`, lengths in metres: easel, tray, speed, replan, camera, picture, view, tag,
     colours, pen, pause_at, refill_after, refill_at, copies; and drawing, the `DrawingOptions` by which an SVG is read,
-    as in ``drawing={"hatch": 0.001}``.
+    as in ``drawing={"hatch": "1mm"}``.
 
     Raises InputError before anything moves, where the painting does not fit the machine, MachineError where the machine
     fails, StoppedError and KeyboardInterrupt where it was stopped; its pen is then lifted.

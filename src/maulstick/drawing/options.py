@@ -1,18 +1,24 @@
 """Options of how an SVG is read."""
 
 from math import isfinite
-from typing import Literal
+from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict
+from pydantic import BaseModel, BeforeValidator, ConfigDict
 
 from maulstick.errors import InputError, option
+from maulstick.painting.raster import parse_length, parse_size
 
 _SIDES = (1e-3, 20.0)  # metres of a sheet's side: beyond, the unit is probably wrong
 _SPACINGS = (5e-5, 0.1)  # metres between hatching lines: a pen's line is wider than the least
 
+_Size = Annotated[
+    tuple[float, float], BeforeValidator(lambda size: parse_size(size) if isinstance(size, str) else size)
+]
+_Length = Annotated[float, BeforeValidator(lambda said: parse_length(said) if isinstance(said, str) else said)]
+
 
 class DrawingOptions(BaseModel):
-    """Options of how an SVG is read; lengths in metres, angles in radians.
+    """Options of how an SVG is read; lengths in metres, or as in ``A4`` and ``10mm``; angles in radians.
 
     size: width and height of the sheet, to which the page is scaled; its own size by default.
     margin: what is drawn is scaled to reach just so far from the sheet's edges; left out, the page keeps its margins.
@@ -25,14 +31,14 @@ class DrawingOptions(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    size: tuple[float, float] | None = None
-    margin: float | None = None
+    size: _Size | None = None
+    margin: _Length | None = None
     rotate: Literal[0, 90, 180, 270] = 0
-    hatch: float | None = None
+    hatch: _Length | None = None
     hatch_angle: float | None = None
     hatch_hand: str | None = None
     no_repeats: bool = False
-    shortest: float = 0.0
+    shortest: _Length = 0.0
     keep_order: bool = False
 
     def check(self) -> None:
