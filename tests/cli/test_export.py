@@ -259,10 +259,10 @@ def test_hpgl_of_more_paints_than_pens_is_a_file_per_load(here: Path) -> None:
     ran = run("export", "painting.json", "--format", "hpgl", "--carousel", "3", "--overwrite")
     assert ran.stdout.splitlines() == files[:2]
     assert ran.stderr.splitlines()[2:] == [
-        "note: painting.plot-3.hpgl is of an earlier export, with other pens; delete it"
+        "note: painting.plot-3.hpgl is not of this export; delete it if an earlier one, with other pens, left it"
     ], "or somebody plots it"
     ran = run("export", "painting.json", "--format", "hpgl", "--carousel", "8", "--overwrite")
-    assert ran.stderr.count("is of an earlier export") == 3
+    assert ran.stderr.count("is not of this export") == 3
     assert run("export", "painting.json", "--format", "hpgl", "--out", "alone.hpgl").code == 0
     assert "VS" not in Path("alone.hpgl").read_text(), "the plotter's own speed"
 

@@ -1,7 +1,7 @@
 """Options about how an SVG is read, which all commands that take one share."""
 
 from functools import partial
-from math import radians
+from math import isfinite, radians
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -92,9 +92,9 @@ def _hatch(text: str) -> dict[str, float]:
     """Return the fields for a spacing in millimetres and an angle, as in ``1.5`` and ``1@30``."""
     spacing, at, angle = text.partition("@")
     try:
-        found = {"hatch": float(spacing) * 1e-3}
-        return found | ({"hatch_angle": radians(float(angle))} if at else {})
+        found = {"hatch": float(spacing) * 1e-3} | ({"hatch_angle": radians(float(angle))} if at else {})
     except ValueError:
-        raise InputError(
-            f"--hatch is {text!r}; it must be millimetres between lines, as 1, or 1@30 with an angle"
-        ) from None
+        found = {}
+    if not found or not all(map(isfinite, found.values())):
+        raise InputError(f"--hatch is {text!r}; it must be millimetres between lines, as 1, or 1@30 with an angle")
+    return found

@@ -114,7 +114,7 @@ def export(
         print(file, flush=True)
     if format == "hpgl" or per_pen:
         for file in sorted(_of_parts(path) - set(files)):
-            _say(f"note: {file} is of an earlier export, with other pens; delete it")
+            _say(f"note: {file} is not of this export; delete it if an earlier one, with other pens, left it")
 
 
 def _files_of(export: Export, path: Path, painting: Path, overwrite: bool) -> dict[Path, str]:

@@ -164,6 +164,7 @@ def test_a_path_that_is_there_twice_is_drawn_once_on_request(drawing: Path) -> N
     [
         (("--hatch", "wide"), "--hatch is 'wide'; it must be millimetres between lines, as 1, or 1@30 with an angle"),
         (("--hatch", "1@"), "--hatch is '1@'; it must be millimetres between lines, as 1, or 1@30 with an angle"),
+        (("--hatch", "1@nan"), "--hatch is '1@nan'; it must be millimetres between lines, as 1, or 1@30 with an angle"),
         (("--hatch", "0"), "--hatch is 0 mm; it must be from 0.05 to 100 mm between lines"),
         (("--rotate", "45"), "--rotate is 45; it must be 0, 90, 180 or 270"),
         (("--margin", "2ft"), "--margin is '2ft'; it must be a length, as 10 for millimetres, 10mm or 1cm"),
