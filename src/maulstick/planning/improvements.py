@@ -1,4 +1,4 @@
-"""Improvements of a plan that descent cannot find: other paints for its strokes, and strokes that it does not need."""
+"""Improvements of a plan that descent cannot find: paints for its strokes, and strokes that it does not need."""
 
 from collections.abc import Callable
 
@@ -6,13 +6,25 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from maulstick.planning.stroke_canvas import StrokeCanvas
+from maulstick.colour.palette import mix_paints
+from maulstick.planning.problem import PlannerSettings
+from maulstick.planning.stroke_canvas import StrokeCanvas, as_array
+from maulstick.planning.stroke_effects import TargetView, coverage
 from maulstick.storage.arrays import Bools, Floats
 
 Loss = Callable[[Tensor], Tensor]
 """Loss of a canvas (C, H, W)."""
 
 _NOTHING = 1e-6  # loss of a sheet that already shows its picture: a difference of a quarter of an 8-bit step
+
+
+def mix_colours(stroke_canvas: StrokeCanvas, view: TargetView, options: PlannerSettings) -> Floats:
+    """Return paints (k, C) mixed for the colours of the strokes, each of which counts by what is seen of it."""
+    marks, drawn = stroke_canvas.drawn()
+    seen = as_array(stroke_canvas.by_row(coverage(view, stroke_canvas.paper, marks, drawn)))
+    colours, own = as_array(stroke_canvas.strokes.colours), stroke_canvas.mixes
+    assert options.paints is not None
+    return mix_paints(colours[own], np.sqrt(seen.clip(min=1))[own], options.paints, options.seed, options.pinned)
 
 
 @torch.no_grad()

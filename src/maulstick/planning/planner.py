@@ -10,14 +10,13 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from maulstick.colour.palette import mix_paints
 from maulstick.errors import InputError
 from maulstick.planning.arranging import Arranging
 from maulstick.planning.brush_choice import best_brushes
 from maulstick.planning.canvas_loss import CanvasLoss
 from maulstick.planning.descent import Descent
 from maulstick.planning.drawn_pixels import coarsest, finest, to_drawn
-from maulstick.planning.improvements import needed, repaint
+from maulstick.planning.improvements import mix_colours, needed, repaint
 from maulstick.planning.initialise import Initialiser
 from maulstick.planning.lights import across_lights
 from maulstick.planning.memory import keep_freed_memory
@@ -27,7 +26,7 @@ from maulstick.planning.result import PlanProgress, PlanResult
 from maulstick.planning.schedule import GIVEN_PAINTS, IN_INK, Schedule
 from maulstick.planning.state import State, restore_rng, rng_state
 from maulstick.planning.stroke_canvas import StrokeCanvas, as_array
-from maulstick.planning.stroke_effects import coverage, recolouring_costs, removal_costs
+from maulstick.planning.stroke_effects import recolouring_costs, removal_costs
 from maulstick.planning.style_price import StylePrice
 from maulstick.rendering.threads import one_torch_thread
 from maulstick.storage.arrays import Bools
@@ -265,11 +264,7 @@ class _Planning:
         if options.paints is None:
             paints = torch.tensor(self._initialiser.palette)
         else:
-            marks, colours = self._stroke_canvas.drawn()
-            shown = as_array(self._stroke_canvas.by_row(coverage(self._loss.view, self._problem.paper, marks, colours)))
-            free, own = as_array(self._stroke_canvas.strokes.colours), self._stroke_canvas.mixes
-            amounts = np.sqrt(shown.clip(min=1))
-            mixed = mix_paints(free[own], amounts[own], options.paints, options.seed, options.pinned)
+            mixed = mix_colours(self._stroke_canvas, self._loss.view, options)
             paints = torch.tensor(mixed, dtype=torch.float32)
         self._stroke_canvas.quantise(self._paints_to_use(paints), self._schedule.grouped)
 
@@ -305,22 +300,10 @@ class _Planning:
     def finish(self) -> PlanResult:
         """Return the plan in painting order, without useless strokes unless the number is to be exact."""
         self._quantise_colours()
-        assert self._stroke_canvas.paints is not None
-        order, count = self._stroke_canvas.order_of_all, len(self._stroke_canvas.strokes)
-        kept = np.ones(count, dtype=bool)
+        kept = np.ones(len(self._stroke_canvas.strokes), dtype=bool)
         if not self._options.exact:
             costs = self._removal_costs(self._finest).numpy()
             kept = needed(self._stroke_canvas, self._loss.at(1.0), costs, self._finest)
             if self._options.in_ink and self._problem.target is not None:
                 kept &= ~self._across_lights(self._problem.target)
-        own = order < count
-        rows = torch.from_numpy(order[own][kept[order[own]]])
-        painted = np.cumsum([is_own and kept[row] for row, is_own in zip(order, own, strict=True)])
-        before = np.zeros(len(order) - count, dtype=np.int64)
-        before[order[~own] - count] = painted[~own]
-        return PlanResult(
-            self._stroke_canvas.strokes[rows],
-            self._stroke_canvas.paints.detach(),
-            self._stroke_canvas.paint_of[rows],
-            torch.from_numpy(before),
-        )
+        return self._stroke_canvas.result(kept)

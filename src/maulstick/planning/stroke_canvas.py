@@ -9,6 +9,7 @@ from maulstick.ordering.layers import by_paint, light_to_dark
 from maulstick.planning.drawn_pixels import to_canvas, to_drawn
 from maulstick.planning.parameters import StrokeParameters
 from maulstick.planning.problem import PlanningProblem
+from maulstick.planning.result import PlanResult
 from maulstick.planning.room import cut_marks, move_into
 from maulstick.planning.state import State
 from maulstick.rendering.kernels.render import composite
@@ -156,6 +157,16 @@ class StrokeCanvas:
         if grouped:
             theirs = nearest_paint(as_array(self._neighbours.colours), as_array(self.paints))
             self._order = by_paint(np.concatenate([paint_of.numpy(), theirs]), self._brush_of.numpy(), self._order)
+
+    def result(self, kept: Bools) -> PlanResult:
+        """Return those of the strokes that are kept, (N,), in painting order, with their paints."""
+        assert self.paints is not None
+        count, neighbours = len(self.strokes), len(self._neighbours.colours)
+        shown = np.append(kept, np.zeros(neighbours, dtype=bool))[self._order]
+        rows = torch.from_numpy(self._order[shown])
+        before = np.zeros(neighbours, dtype=np.int64)
+        before[self._order[~self._own] - count] = np.cumsum(shown)[~self._own]
+        return PlanResult(self.strokes[rows], self.paints.detach(), self.paint_of[rows], torch.from_numpy(before))
 
     def state(self) -> State:
         """Return strokes, paints and order."""
