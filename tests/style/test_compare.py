@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.stats import ks_2samp
 
 from maulstick.strokes.strokes import place
 from maulstick.style.compare import (
@@ -10,6 +11,7 @@ from maulstick.style.compare import (
     describe,
     distance_to_nearest,
     energy_distance,
+    kolmogorov_smirnov,
     nearest_neighbour_accuracy,
 )
 from tests.support.style.synthetic_hands import arc, circle, drawn, line, zigzag
@@ -151,6 +153,14 @@ def test_the_distance_to_the_nearest_is_0_for_copies_and_grows_with_what_is_new(
     assert distance_to_nearest(a, b) == pytest.approx(expected)
     assert distance_to_nearest(a[:5], a) == 0
     assert distance_to_nearest(a + 10, b) > 10
+
+
+@pytest.mark.parametrize("decimals", [0, 9], ids=["ties", "no ties"])
+def test_the_distance_of_two_distributions_is_the_one_that_scipy_finds(decimals: int) -> None:
+    rng = np.random.default_rng(0)
+    for apart, size in ((0.0, 7), (0.5, 60), (9.0, 200)):
+        a, b = rng.normal(0, 1, 90).round(decimals), rng.normal(apart, 1, size).round(decimals)
+        assert kolmogorov_smirnov(a, b) == pytest.approx(ks_2samp(a, b).statistic)
 
 
 def test_a_comparison_says_what_the_second_hand_does_otherwise() -> None:
