@@ -100,6 +100,7 @@ def test_what_is_none_of_the_formats_is_refused_with_their_names(file: Path) -> 
             b'<!DOCTYPE a [<!ENTITY a "b">]><ink/>',
             "cannot read FILE as InkML: it declares entities; save it as plain InkML",
         ),
+        (b'<svg><path d="M1 1 L foo 2"/></svg>', "cannot read FILE as SVG: it is damaged; save it again as plain SVG"),
         (b"<svg/>", "cannot read FILE as SVG: there is no path or shape in it; convert text and objects to paths"),
         (
             b"<ink>" + b"<traceGroup>" * 9999 + b"</traceGroup>" * 9999 + b"</ink>",

@@ -52,7 +52,7 @@ def read_ink_file(
     except RecursionError as error:
         raise InputError(f"cannot read {path} as {name}: it is nested too deeply, or refers to itself") from error
     except Exception as error:  # the parsers raise nearly anything
-        fault = " ".join(str(error).split()) or type(error).__name__
+        fault = " ".join(str(error).split()) or f"it is damaged; save it again as plain {name}"
         raise InputError(f"cannot read {path} as {name}: {fault[:200]}") from error
     if page.unit is None and size is None and longest is None:
         note(f"{path.name} does not say how large it was drawn: its longer side is taken to be {LONGEST * 1e3:g} mm")

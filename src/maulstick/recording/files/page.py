@@ -63,7 +63,7 @@ def on_sheet(page: Page, size: tuple[float, float] | None, longest: float | None
     if size is not None:
         scale = min((side / length for side, length in zip(size, box.tolist(), strict=True) if length > 0), default=1.0)
     elif wanted is not None:
-        scale = wanted / longer if longer > 0 else 1.0
+        scale = wanted / longer if longer > 0 else page.unit or 1.0
     else:
         scale = page.unit or 1.0
     width, height = size or np.maximum(np.round(scale * box, 6), _LEAST_SHEET).tolist()
