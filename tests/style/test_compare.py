@@ -4,7 +4,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import ks_2samp
 
-from maulstick.strokes.strokes import place
+from maulstick.strokes.strokes import path_lengths, place
 from maulstick.style.compare import (
     CURVINESS,
     Comparison,
@@ -180,6 +180,13 @@ def test_a_comparison_says_how_many_strokes_are_both_hands() -> None:
         (strokes[:10], strokes[5:15], 1 / 3),
     ):
         assert Comparison.of(first, second, np.random.default_rng(0)).shared == pytest.approx(shared)
+
+
+def test_a_length_that_rounding_hides_is_not_told_of() -> None:
+    strokes = drawn(circle, 20)
+    strokes *= 0.03 / path_lengths(strokes)[:, None, None]
+    told = Comparison.of(strokes, 1.001 * strokes, np.random.default_rng(0)).told
+    assert told == "are as long, as bent and as rough"
 
 
 def test_strokes_that_are_as_long_and_as_bent_are_told_of_as_such() -> None:

@@ -157,9 +157,11 @@ def _of_halves(described: Floats, rng: np.random.Generator) -> float:
 def _in_words(first: Floats, second: Floats, ratio: float) -> str:
     """Return the largest differences between standardised descriptions in words; `ratio` is the one of lengths."""
     apart = second.mean(axis=0) - first.mean(axis=0)
-    columns = sorted((_LENGTH, *_MORE_AND_LESS), key=lambda column: -abs(apart[column]))
+    times = f"{ratio:.2g}"
+    told = _MORE_AND_LESS if times == "1" else (_LENGTH, *_MORE_AND_LESS)
+    columns = sorted(told, key=lambda column: -abs(apart[column]))
     said = [
-        f"are {ratio:.2g} times as long" if column == _LENGTH else _MORE_AND_LESS[column][int(apart[column] < 0)]
+        f"are {times} times as long" if column == _LENGTH else _MORE_AND_LESS[column][int(apart[column] < 0)]
         for column in columns[:_MOST_SAID]
         if abs(apart[column]) >= _LEAST_APART
     ]
