@@ -73,14 +73,16 @@ def _strokes_in(recorded: Recorded) -> Strokes:
     if isinstance(recorded, Ink):
         return Strokes.of(recorded)
     if isinstance(recorded, Strokes):
-        return recorded
+        return _of_points(recorded)
     kind = kind_of(recorded)
     if kind == "ink":
         return Strokes.of(read_ink(recorded))
     if kind == "strokes":
-        strokes = read_strokes(recorded)
-        points = strokes.trajectories.shape[1]
-        if points != POINTS:
-            raise InputError.of_range(f"the number of points of a stroke in {recorded}", points, f"{POINTS}")
-        return strokes
+        return _of_points(read_strokes(recorded), f" in {recorded}")
     raise InputError(f"{recorded} is neither ink nor strokes; make ink of it with maulstick record ink")
+
+
+def _of_points(strokes: Strokes, where: str = "") -> Strokes:
+    if (points := strokes.trajectories.shape[1]) != POINTS:
+        raise InputError.of_range(f"the number of points of a stroke{where}", points, f"{POINTS}")
+    return strokes
