@@ -75,7 +75,7 @@ def read_card(path: Path) -> StyleCard:
 
 
 def style_path(name: str) -> Path:
-    """Return the path of a style's JSON from the style's name, an earlier name of it, or that path.
+    """Return the path of a style's JSON from the style's name, an earlier name of it, that in its card, or that path.
 
     Raises InputError where there is no such style.
     """
@@ -85,7 +85,7 @@ def style_path(name: str) -> Path:
     if Path(name).suffix == ".json":
         return file_to_read(name, "style")
     for path in paths.values():
-        if name in _former_names(path):
+        if name in _other_names(path):
             return path
     raise InputError.of_choice("style", name, [*paths, _FREE, "FILE.json"])
 
@@ -127,7 +127,8 @@ def title_style(name: str, title: str) -> None:
     Raises InputError where the style is not the user's own, OutputError where it cannot be written.
     """
     path = _own_path(name)
-    write_record(read_card(path).model_copy(update={"title": title}), path)
+    with writing_into(path.parent):
+        write_record(read_card(path).model_copy(update={"title": title}), path)
 
 
 def _own_path(name: str) -> Path:
@@ -137,8 +138,10 @@ def _own_path(name: str) -> Path:
     return path
 
 
-def _former_names(path: Path) -> tuple[str, ...]:
+def _other_names(path: Path) -> tuple[str, ...]:
+    """Return the names that paintings may know a style by, other than that of its file."""
     try:
-        return read_card(path).formerly or ()
+        card = read_card(path)
+        return (card.name, *(card.formerly or ()))  # its own name, too: somebody may have renamed its files
     except InputError:  # reported when that style itself is loaded
         return ()
