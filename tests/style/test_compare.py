@@ -2,9 +2,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.spatial.distance import cdist
 from scipy.stats import ks_2samp
 
 from maulstick.strokes.strokes import path_lengths, place
+from maulstick.style import compare
 from maulstick.style.compare import (
     CURVINESS,
     Comparison,
@@ -180,6 +182,18 @@ def test_a_comparison_says_how_many_strokes_are_both_hands() -> None:
         (strokes[:10], strokes[5:15], 1 / 3),
     ):
         assert Comparison.of(first, second, np.random.default_rng(0)).shared == pytest.approx(shared)
+
+
+def test_of_very_many_strokes_some_are_compared_with_much_the_same_result(monkeypatch: pytest.MonkeyPatch) -> None:
+    circles, zigzags = drawn(circle, 400), drawn(zigzag, 400)
+    of_all = Comparison.of(circles, zigzags, np.random.default_rng(0))
+    monkeypatch.setattr(compare, "_MOST", 100)
+    sizes = []
+    monkeypatch.setattr(compare, "cdist", lambda a, b: sizes.append(max(len(a), len(b))) or cdist(a, b))
+    of_some = Comparison.of(circles, zigzags, np.random.default_rng(0))
+    assert max(sizes) == 200, "both hands of the nearest neighbours"
+    assert of_some.distance == pytest.approx(of_all.distance, rel=0.1)
+    assert of_some.told.partition(",")[0] == of_all.told.partition(",")[0]
 
 
 def test_a_length_that_rounding_hides_is_not_told_of() -> None:

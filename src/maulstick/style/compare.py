@@ -16,6 +16,7 @@ _BINS, _POINTS = 6, 5  # parts of a stroke whose turning is described, and point
 _LEAST = 1e-9  # keeps 0 out of logarithms and denominators
 _STRAIGHT = 1e-2  # radians per point: less turning than that has no sign
 _HALVINGS = 20  # random halvings that are averaged, so that the result hardly depends on the seed
+_MOST = 2000  # strokes of a hand that are compared: distances between them take time and memory by the square
 _LEAST_APART = 0.4  # standard deviations: smaller differences are not mentioned
 _MOST_SAID = 3  # differences in a sentence
 _LENGTH = 0  # column of a description
@@ -45,9 +46,12 @@ class Comparison:
 
     @classmethod
     def of(cls, first: Floats, second: Floats, rng: np.random.Generator) -> Self:
-        """Compare paths (N, n, 2) and (M, n, 2), metres; descriptions are standardised over both."""
+        """Compare paths (N, n, 2) and (M, n, 2), metres; descriptions are standardised over both.
+
+        Of more than 2,000 strokes so many are drawn, but for `shared`, which is of all.
+        """
         of_first, of_second = ({path.tobytes() for path in paths} for paths in (first, second))
-        described = [describe(paths) for paths in (first, second)]
+        described = [describe(_some(paths, rng)) for paths in (first, second)]
         together = np.concatenate(described)
         spread = together.std(axis=0)
         a, b = ((each - together.mean(axis=0)) / np.where(spread > 0, spread, 1) for each in described)
@@ -94,6 +98,10 @@ def describe(paths: Floats) -> Floats:
         ],
         axis=1,
     )
+
+
+def _some(paths: Floats, rng: np.random.Generator) -> Floats:
+    return paths if len(paths) <= _MOST else paths[np.sort(rng.choice(len(paths), _MOST, replace=False))]
 
 
 def _inflections(turns: Floats) -> Floats:
