@@ -196,6 +196,12 @@ def test_of_very_many_strokes_some_are_compared_with_much_the_same_result(monkey
     assert of_some.told.partition(",")[0] == of_all.told.partition(",")[0]
 
 
+def test_a_ratio_of_lengths_is_told_in_plain_figures() -> None:
+    strokes = drawn(circle, 20)
+    assert Comparison.of(strokes, 123 * strokes, np.random.default_rng(0)).told == "are 120 times as long"
+    assert Comparison.of(strokes, 0.0456 * strokes, np.random.default_rng(0)).told == "are 0.046 times as long"
+
+
 def test_a_length_that_rounding_hides_is_not_told_of() -> None:
     strokes = drawn(circle, 20)
     strokes *= 0.03 / path_lengths(strokes)[:, None, None]

@@ -165,7 +165,7 @@ def _of_halves(described: Floats, rng: np.random.Generator) -> float:
 def _in_words(first: Floats, second: Floats, ratio: float) -> str:
     """Return the largest differences between standardised descriptions in words; `ratio` is the one of lengths."""
     apart = second.mean(axis=0) - first.mean(axis=0)
-    times = f"{ratio:.2g}"
+    times = f"{float(f'{ratio:.2g}'):g}"  # with .2g alone 123 would be told as 1.2e+02
     told = _MORE_AND_LESS if times == "1" else (_LENGTH, *_MORE_AND_LESS)
     columns = sorted(told, key=lambda column: -abs(apart[column]))
     said = [
