@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from maulstick.errors import InputError
+from maulstick.errors import InputError, Remedy
+from maulstick.recording.mocap.take import KIND as TAKE
 from maulstick.storage.arrays import Floats, kind_of
 from maulstick.strokes.ink import Ink, read_ink
 from maulstick.strokes.strokes import POINTS, Strokes, read_strokes
@@ -79,6 +80,8 @@ def _strokes_in(recorded: Recorded) -> Strokes:
         return Strokes.of(read_ink(recorded))
     if kind == "strokes":
         return _of_points(read_strokes(recorded), f" in {recorded}")
+    if kind == TAKE:
+        raise InputError(f"{recorded} holds a take", Remedy.READ_TAKE)
     raise InputError(f"{recorded} is neither ink nor strokes; make ink of it with maulstick record ink")
 
 
