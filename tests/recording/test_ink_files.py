@@ -1,3 +1,4 @@
+import gzip
 from pathlib import Path
 
 import numpy as np
@@ -88,6 +89,11 @@ def test_what_is_none_of_the_formats_is_refused_with_their_names(file: Path) -> 
     for content in (b"\0\1\2", b"hello", b"<html></html>", b"RIFF\0\0\0\0WAVE", b"\xff\xfe"):
         file.write_bytes(content)
         assert fault(file) == f"FILE is none of the drawings that can be read; there are: {FORMATS}"
+
+
+def test_a_compressed_svg_is_refused_with_the_remedy(file: Path) -> None:
+    file.write_bytes(gzip.compress(b'<svg xmlns="http://www.w3.org/2000/svg"><path d="M0 0L1 1"/></svg>'))
+    assert fault(file) == "FILE is compressed, as an SVG may be; save it as plain SVG"
 
 
 @pytest.mark.parametrize(

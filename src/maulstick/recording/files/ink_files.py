@@ -65,6 +65,8 @@ def _reader(content: bytes, path: Path) -> tuple[str, Callable[[bytes], Page]]:
         return "UIM", read_uim
     if content[:4] == b"PK\x03\x04":
         return "WILL", read_will
+    if content[:2] == b"\x1f\x8b":
+        raise InputError(f"{path} is compressed, as an SVG may be; save it as plain SVG")
     if start[:1] == b"{":
         return "pointer events", read_pointer_events
     outermost = re.search(rb"<(?:[\w.-]+:)?(svg|ink)[\s/>]", start.replace(b"\0", b""))  # UTF-16 is ASCII with zeros
