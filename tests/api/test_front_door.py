@@ -23,6 +23,7 @@ from maulstick.painting.metrics import Metrics
 from maulstick.painting.raster import Canvas
 from maulstick.robot.simulated.easel import SimulatedEasel
 from maulstick.robot.simulated.sheets import sheet_for
+from maulstick.strokes.ink import write_ink
 from tests.cli.test_brush_fit import draw_trials
 
 pytestmark = pytest.mark.filterwarnings("ignore:libmypaint is not installed")
@@ -296,6 +297,17 @@ def test_ink_of_unknown_size_is_read_with_a_warning_and_without_one_where_the_si
         ms.read_ink(path)
     assert caught[0].filename == __file__
     assert ms.read_ink(path, longest="90mm").summary().startswith("1 stroke, 0.127 m")
+
+
+def test_a_size_that_cannot_be_kept_is_refused(drawing: Path, tmp_path: Path) -> None:
+    kept = tmp_path / "me.ink.npz"
+    write_ink(ms.read_ink(drawing), kept)
+    for asked in ({"size": "A4"}, {"longest": "9mm"}):
+        with pytest.raises(InputError, match=r"me\.ink\.npz has a size already; leave out size and longest"):
+            ms.read_ink(kept, **asked)
+    for text in ("0mm", "51m"):
+        with pytest.raises(InputError, match=f"^longest is {text}; it must be between 1 mm and 50 m$"):
+            ms.read_ink(drawing, longest=text)
 
 
 def test_a_hand_that_was_learned_plans_without_being_kept(

@@ -8,11 +8,13 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 import typer
 
 from maulstick.cli.app import app
 from maulstick.cli.lazy import SUMMARIES, loaded
+from maulstick.strokes.ink import Ink, write_ink
 from tests.cli.conftest import COMMAND, run, run_command
 
 
@@ -207,3 +209,14 @@ def test_a_plan_ends_without_what_takes_as_long_to_load_as_to_plan(
     loaded = set(ran.stderr.splitlines()[-1].split())
     assert {"loaded", "torch", "maulstick.planning.planner"} <= loaded
     assert not loaded & idle
+
+
+def test_a_style_is_learned_without_statistics_that_take_a_second_to_load(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
+    ink = tmp_path / "me.ink.npz"
+    write_ink(Ink.of(list(np.random.default_rng(0).random((6, 9, 4)).cumsum(axis=1) / 10), (2.0, 2.0)), ink)
+    modules = loaded_by("style", "fit", str(ink), "--name", "me")
+    assert "maulstick.style.exemplar" in modules
+    assert "scipy.stats" not in modules

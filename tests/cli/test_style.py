@@ -7,7 +7,7 @@ import pytest
 import torch
 from PIL import Image
 
-from maulstick.storage.arrays import Floats
+from maulstick.storage.arrays import Floats, write_arrays
 from maulstick.strokes.ink import Ink, write_ink
 from maulstick.strokes.strokes import Strokes, write_strokes
 from maulstick.style import cards, train, trajvae
@@ -179,6 +179,7 @@ def test_a_style_that_somebody_else_learns_meanwhile_is_not_replaced(
     [
         (["none.ink.npz", "--name", "a"], "there is no file none.ink.npz; check its name and folder"),
         (["text.txt", "--name", "a"], "text.txt is neither ink nor strokes; make ink of it with maulstick record ink"),
+        (["pen.take.npz", "--name", "a"], "pen.take.npz holds a take; read it with maulstick record motive"),
         (["cat.ink.npz", "./cat.ink.npz", "--name", "a"], "a recording, or its copy, is named twice, and its strokes"),
         (["cat.ink.npz", "--name", "../x"], "the name of a style is '../x'; it must be up to 40 of a-z, 0-9 and -"),
         (["cat.ink.npz", "--name", "free"], "the name of a style is 'free'; it must be up to 40 of a-z, 0-9 and -"),
@@ -191,6 +192,7 @@ def test_a_style_that_somebody_else_learns_meanwhile_is_not_replaced(
 )
 def test_what_no_style_can_be_learned_from_is_refused(here: Path, words: list[str], text: str) -> None:
     Path("text.txt").write_text("not ink")
+    write_arrays("pen.take.npz", "take", {})
     write_ink(waves(3, 0.02, 0.1), "three.ink.npz")
     write_ink(Ink.of([], (0.1, 0.1)), "empty.ink.npz")
     write_strokes(Strokes.of(waves(9, 0.02, 0.1), n=8), "few.strokes.npz")

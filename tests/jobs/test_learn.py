@@ -44,3 +44,10 @@ def test_strokes_of_a_recording_lie_to_each_other_as_before() -> None:
     moved = strokes_of(parts).poses[32:] - parts[1].poses
     assert moved == pytest.approx(np.tile(moved[:1], (32, 1)))
     assert moved[0, 1:].tolist() == [0, 0]
+
+
+def test_strokes_of_another_number_of_points_are_refused_also_beside_others() -> None:
+    drawn = as_strokes(hatching(2, seed=0))
+    coarse = Strokes(drawn.trajectories[:, ::2], drawn.times[:, ::2], drawn.poses)
+    with pytest.raises(InputError, match=r"^the number of points of a stroke is 16; it must be 32$"):
+        strokes_of([drawn, coarse])

@@ -64,6 +64,14 @@ def pressed(style: Exemplar, pressure: float) -> Exemplar:
     return replace(style, hand=Hand(style.hand.paths, np.full_like(style.hand.pressure, pressure), style.hand.speeds))
 
 
+def test_a_drawing_on_one_line_is_drawn_without_a_word() -> None:
+    along = np.linspace(0, 0.01, 32)
+    paths = np.stack([0.011 * np.arange(40)[:, None] + along, np.full((40, 32), 0.1)], axis=-1)
+    style = replace(exemplar_of(line), hand=Hand.of(as_strokes(paths)))
+    assert style.arrangement is not None
+    assert dark(pixels(style_plot(style, "line", PX))).any()
+
+
 def test_a_style_draws_as_much_as_is_shown_of_its_hand(circles: Exemplar) -> None:
     by_hand, by_style = (dark(part).sum() for part in parts(pixels(style_plot(circles, "", PX))))
     assert by_style == pytest.approx(by_hand, rel=0.3)

@@ -10,6 +10,7 @@ from maulstick.recording.mocap.contact import ContactOptions
 from maulstick.recording.mocap.drawing import TakeInk, drawing_of
 from maulstick.recording.mocap.frames import CORNERS
 from maulstick.recording.mocap.pivot import calibrate_pivot
+from maulstick.recording.mocap.take import Take
 from maulstick.storage.arrays import Floats
 from tests.support.recording.simulated_take import (
     NONE,
@@ -134,6 +135,16 @@ def test_strokes_that_were_cut_short_and_a_threshold_that_was_proposed_are_told(
     assert drawing.summary[4].startswith(f"threshold {drawing.contact.threshold * 1e3:.2f} mm over the paper, proposed")
     assert "2 strokes cut short where the pen was lost" in drawing.summary
     assert len(drawing.ink) == len(STROKES) + 1
+
+
+def test_a_stroke_that_the_take_ends_in_is_not_said_to_be_cut_by_a_pen_that_was_lost() -> None:
+    take = simulate(STROKES, 1).take
+    start = np.flatnonzero(way_of(STROKES, 1)[:, 2] == 0)[0]
+    kept = slice(start + 60)
+    ended = Take(*(values[kept] for values in vars(take).values()))
+    told = drawing_of(ended, TIP).summary
+    assert "1 stroke cut short where the take begins or ends" in told
+    assert not any("the pen was lost" in line for line in told)
 
 
 def test_touches_beside_the_canvas_are_left_out_and_counted() -> None:

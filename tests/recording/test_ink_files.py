@@ -1,3 +1,4 @@
+import gzip
 from pathlib import Path
 
 import numpy as np
@@ -90,6 +91,11 @@ def test_what_is_none_of_the_formats_is_refused_with_their_names(file: Path) -> 
         assert fault(file) == f"FILE is none of the drawings that can be read; there are: {FORMATS}"
 
 
+def test_a_compressed_svg_is_refused_with_the_remedy(file: Path) -> None:
+    file.write_bytes(gzip.compress(b'<svg xmlns="http://www.w3.org/2000/svg"><path d="M0 0L1 1"/></svg>'))
+    assert fault(file) == "FILE is compressed, as an SVG may be; save it as plain SVG"
+
+
 @pytest.mark.parametrize(
     ("content", "text"),
     [
@@ -100,6 +106,7 @@ def test_what_is_none_of_the_formats_is_refused_with_their_names(file: Path) -> 
             b'<!DOCTYPE a [<!ENTITY a "b">]><ink/>',
             "cannot read FILE as InkML: it declares entities; save it as plain InkML",
         ),
+        (b'<svg><path d="M1 1 L foo 2"/></svg>', "cannot read FILE as SVG: it is damaged; save it again as plain SVG"),
         (b"<svg/>", "cannot read FILE as SVG: there is no path or shape in it; convert text and objects to paths"),
         (
             b"<ink>" + b"<traceGroup>" * 9999 + b"</traceGroup>" * 9999 + b"</ink>",

@@ -169,6 +169,12 @@ def test_a_pen_or_a_canvas_that_cannot_be_told_lists_what_there_is(complaint: Ca
     assert complaint(pens, canvas="Brush", pen="Brush").startswith("the pen and the canvas are both 'Brush'")
 
 
+def test_two_rigid_bodies_of_one_name_are_refused(complaint: Callable[..., str]) -> None:
+    pens = motive_csv(a_take(), canvas_name="Other").replace(b"Other", b"Pen")
+    told = "two rigid bodies are called 'Pen'; rename one in Motive, and try again"
+    assert complaint(pens) == complaint(pens, pen="Pen") == told
+
+
 def header(content: bytes, old: bytes, new: bytes) -> bytes:
     assert old in content
     return content.replace(old, new, 1)

@@ -163,6 +163,7 @@ def test_a_server_that_falls_silent_ends_the_recording_and_loses_nothing(
             "let exactly three markers be loose: there are the rigid bodies 'A' (4 markers), 'B' (3 markers) and 0 "
             "loose markers",
         ),
+        ({"names": ("Pen", "Pen")}, "two rigid bodies are called 'Pen'; rename one in Motive, and try again"),
         (
             {"names": ()},
             "there is no telling which rigid body is the pen; name it (pen): there are no rigid bodies and 3 loose "

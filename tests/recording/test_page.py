@@ -57,6 +57,11 @@ def test_a_single_dot_lies_in_the_middle_of_a_small_sheet(unit: float | None) ->
     assert ends(dot, size=(0.2, 0.1)) == [[200, 100], [100, 50]]
 
 
+def test_a_single_dot_on_a_known_page_keeps_its_place_whatever_length_is_asked_for() -> None:
+    dot = page(1e-4, size=(400, 300), line=LINE[:1])
+    assert ends(dot) == ends(dot, longest=0.1) == [[40, 30], [10, 5]]
+
+
 def test_times_begin_at_zero_and_empty_strokes_are_none() -> None:
     strokes = [LINE, np.zeros((0, 4)), LINE - [4, 0, 0, 0], LINE * [np.nan, 1, 1, np.nan]]
     ink = on_sheet(Page(strokes, None, None, "test"), None, None, "")

@@ -252,6 +252,10 @@ def some_strokes() -> dict[str, Floats]:
         ({"poses": np.full((2, 3), np.nan)}, "a point or a pose of a stroke is not a finite number"),
         ({"trajectories": np.full((2, 5, 3), np.inf)}, "a point or a pose of a stroke is not a finite number"),
         ({"trajectories": np.tile([0, 0, 1.5], (2, 5, 1))}, "pressure is 1.5 to 1.5; it must be in [0, 1]"),
+        ({"trajectories": np.full((2, 5, 3), 0.5)}, "a stroke does not begin at the origin; standardise it, and put"),
+        ({"times": np.tile([0, 1, np.nan, 3, 4], (2, 1))}, "the times of a stroke must be known at all of its points"),
+        ({"times": np.full((2, 5), np.inf)}, "the times of a stroke must be known at all of its points, or NaN at all"),
+        ({"trajectories": np.pad([[np.nan], [0.5]], ((0, 3), (2, 0)))[None].repeat(2, 0)}, "the pressure of a stroke"),
         ({"poses": np.array(["a"])}, "could not convert string to float: "),
     ],
 )

@@ -48,6 +48,13 @@ def test_a_plan_finds_a_style_by_any_name_that_it_had(own: Path) -> None:
     assert read_card(rename_style("curves", "arcs")).formerly == ("bows", "curves")
 
 
+def test_a_style_whose_files_somebody_renamed_is_found_by_the_name_that_paintings_know_it_by(own: Path) -> None:
+    for file in list(own.iterdir()):
+        file.rename(file.with_stem("bows"))
+    assert load_style("bows", CANVAS).name == "arcs"
+    assert style_path("arcs") == style_path("bows") == own / "bows.json"
+
+
 def test_a_style_that_is_learned_again_keeps_its_title_and_is_found_by_the_names_that_it_had(own: Path) -> None:
     title_style("arcs", "Arcs by Ida")
     rename_style("arcs", "bows")

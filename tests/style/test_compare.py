@@ -2,14 +2,18 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.spatial.distance import cdist
+from scipy.stats import ks_2samp
 
-from maulstick.strokes.strokes import place
+from maulstick.strokes.strokes import path_lengths, place
+from maulstick.style import compare
 from maulstick.style.compare import (
     CURVINESS,
     Comparison,
     describe,
     distance_to_nearest,
     energy_distance,
+    kolmogorov_smirnov,
     nearest_neighbour_accuracy,
 )
 from tests.support.style.synthetic_hands import arc, circle, drawn, line, zigzag
@@ -153,6 +157,14 @@ def test_the_distance_to_the_nearest_is_0_for_copies_and_grows_with_what_is_new(
     assert distance_to_nearest(a + 10, b) > 10
 
 
+@pytest.mark.parametrize("decimals", [0, 9], ids=["ties", "no ties"])
+def test_the_distance_of_two_distributions_is_the_one_that_scipy_finds(decimals: int) -> None:
+    rng = np.random.default_rng(0)
+    for apart, size in ((0.0, 7), (0.5, 60), (9.0, 200)):
+        a, b = rng.normal(0, 1, 90).round(decimals), rng.normal(apart, 1, size).round(decimals)
+        assert kolmogorov_smirnov(a, b) == pytest.approx(ks_2samp(a, b).statistic)
+
+
 def test_a_comparison_says_what_the_second_hand_does_otherwise() -> None:
     circles, lines = drawn(circle, 20), drawn(line, 20)
     apart = Comparison.of(circles, lines, np.random.default_rng(0))
@@ -170,6 +182,31 @@ def test_a_comparison_says_how_many_strokes_are_both_hands() -> None:
         (strokes[:10], strokes[5:15], 1 / 3),
     ):
         assert Comparison.of(first, second, np.random.default_rng(0)).shared == pytest.approx(shared)
+
+
+def test_of_very_many_strokes_some_are_compared_with_much_the_same_result(monkeypatch: pytest.MonkeyPatch) -> None:
+    circles, zigzags = drawn(circle, 400), drawn(zigzag, 400)
+    of_all = Comparison.of(circles, zigzags, np.random.default_rng(0))
+    monkeypatch.setattr(compare, "_MOST", 100)
+    sizes = []
+    monkeypatch.setattr(compare, "cdist", lambda a, b: sizes.append(max(len(a), len(b))) or cdist(a, b))
+    of_some = Comparison.of(circles, zigzags, np.random.default_rng(0))
+    assert max(sizes) == 200, "both hands of the nearest neighbours"
+    assert of_some.distance == pytest.approx(of_all.distance, rel=0.1)
+    assert of_some.told.partition(",")[0] == of_all.told.partition(",")[0]
+
+
+def test_a_ratio_of_lengths_is_told_in_plain_figures() -> None:
+    strokes = drawn(circle, 20)
+    assert Comparison.of(strokes, 123 * strokes, np.random.default_rng(0)).told == "are 120 times as long"
+    assert Comparison.of(strokes, 0.0456 * strokes, np.random.default_rng(0)).told == "are 0.046 times as long"
+
+
+def test_a_length_that_rounding_hides_is_not_told_of() -> None:
+    strokes = drawn(circle, 20)
+    strokes *= 0.03 / path_lengths(strokes)[:, None, None]
+    told = Comparison.of(strokes, 1.001 * strokes, np.random.default_rng(0)).told
+    assert told == "are as long, as bent and as rough"
 
 
 def test_strokes_that_are_as_long_and_as_bent_are_told_of_as_such() -> None:

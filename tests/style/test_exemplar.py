@@ -7,7 +7,7 @@ from scipy.spatial.distance import cdist
 from scipy.stats import ks_2samp
 from torch import Tensor
 
-from maulstick.style import Style, shape
+from maulstick.style import Style, exemplar, shape
 from maulstick.style.compare import CURVINESS, describe, energy_distance
 from maulstick.style.exemplar import Exemplar, PooledHands, pool
 from maulstick.style.hand import Hand
@@ -320,6 +320,14 @@ def test_seven_curls_among_other_strokes_have_neither_cusps_nor_loops_that_they_
 def test_a_hand_that_trembles_mostly_has_freedom() -> None:
     noisy = [Exemplar.fit("noisy", hand_of(drawn(line_or_arc, 20, seed, tremor=0.05)), HANDS) for seed in range(6)]
     assert sum(style.freedom > 0 for style in noisy) >= 2
+
+
+def test_a_hand_is_weighed_once_however_many_freedoms_are_tried(monkeypatch: pytest.MonkeyPatch) -> None:
+    weighed = []
+    neighbours = exemplar.Neighbours
+    monkeypatch.setattr(exemplar, "Neighbours", lambda *given: weighed.append(given) or neighbours(*given))
+    bound = exemplar_of(zigzag)
+    assert (bound.freedom, len(weighed)) == (0.0, 1)
 
 
 def test_samples_are_about_as_rough_and_bent_as_the_hands_strokes_whatever_the_freedom() -> None:

@@ -43,6 +43,11 @@ def test_fewer_than_five_strokes_are_refused() -> None:
     )
 
 
+def test_more_strokes_than_a_computer_can_weigh_are_refused() -> None:
+    with pytest.raises(InputError, match=r"^the number of strokes is 20001; it must be at most 20000; learn from"):
+        Hand.of(strokes_of(np.repeat(straight(0.02), 20_001, axis=0)))
+
+
 def test_strokes_of_other_than_32_points_are_refused() -> None:
     with pytest.raises(InputError) as caught:
         Hand.of(strokes_of(np.repeat(straight(0.02, 16), 5, axis=0)))

@@ -3,6 +3,7 @@ import json
 import os
 from dataclasses import replace
 from pathlib import Path
+from threading import Thread
 
 import numpy as np
 import pytest
@@ -214,6 +215,26 @@ def test_a_write_that_is_killed_leaves_no_pair_that_does_not_match(
     monkeypatch.undo()
     assert not style.exists() or store.read_style(style).hash == before
     assert style.exists() or fails_at > 4, "only once all is written does anything go"
+
+
+def test_two_that_write_one_style_at_the_same_moment_leave_the_files_of_one(
+    own: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    one, other = an_exemplar(), replace(an_exemplar(), hand=a_hand(8))
+    also = Thread(target=store.write_style, args=(other, "the other", own))
+    replaced = Path.replace
+
+    def slowly(path: Path, target: Path) -> Path:
+        moved = replaced(path, target)
+        if target.name == "arcs.safetensors" and not also.ident:
+            also.start()
+            also.join(timeout=0.5)  # longer than it takes where nothing holds it up
+        return moved
+
+    monkeypatch.setattr(Path, "replace", slowly)
+    path = store.write_style(one, "the one", own)
+    also.join()
+    assert len(store.read_style(path).hand) == 8
 
 
 def test_a_full_disk_loses_nothing(style: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -10,7 +10,7 @@ from maulstick.jobs.learn import Recorded, learn_style, strokes_of
 from maulstick.jobs.plan.options import PlanOptions
 from maulstick.kinds import checked
 from maulstick.painting.brush import BRUSHES, Brush, write_brush
-from maulstick.painting.raster import Canvas, parse_length, parse_size
+from maulstick.painting.raster import Canvas, parse_size
 from maulstick.storage.arrays import kind_of
 from maulstick.storage.folders import MAKE_ROOM, made_folder
 from maulstick.strokes import ink as records
@@ -27,8 +27,8 @@ def read_ink(path: str | Path, *, size: str | None = None, longest: str | None =
     """Read ink: an .ink.npz, InkML, SVG, Wacom's UIM and WILL, or the JSON of pointer events.
 
     size: the sheet that the page fills, as in ``A4``.  longest: the longer side of the drawing, as in ``150mm``.
-    Raises InputError where the file is none of these, or both are given. Warns where neither is, and the file does not
-    say how large it was drawn.
+    Raises InputError where the file is none of these, or both are given, or one with an .ink.npz, which has its size.
+    Warns where neither is, and the file does not say how large it was drawn.
 
         >>> read_ink(drawing).summary()
         '26 strokes, 1.01 m drawn on 100 x 100 mm, times not recorded, pressure not recorded'
@@ -36,11 +36,14 @@ def read_ink(path: str | Path, *, size: str | None = None, longest: str | None =
     if size is not None and longest is not None:
         raise InputError("size and longest cannot both be kept; give one of them")
     if kind_of(path) == "ink":
+        if size is not None or longest is not None:
+            raise InputError(f"{path} has a size already; leave out size and longest")
         return records.read_ink(path)
     from maulstick.recording.files.ink_files import read_ink_file  # loads parsers
+    from maulstick.recording.files.page import parse_longest
 
     sheet = None if size is None else parse_size(size)
-    longer = None if longest is None else parse_length(longest)
+    longer = None if longest is None else parse_longest(longest)
     return read_ink_file(path, sheet, longer, _warn_of_size)[0]
 
 

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from maulstick.errors import InputError
+from maulstick.errors import InputError, Remedy
+from maulstick.recording.mocap.take import KIND as TAKE
 from maulstick.storage.arrays import Floats, kind_of
 from maulstick.strokes.ink import Ink, read_ink
 from maulstick.strokes.strokes import POINTS, Strokes, read_strokes
@@ -73,14 +74,18 @@ def _strokes_in(recorded: Recorded) -> Strokes:
     if isinstance(recorded, Ink):
         return Strokes.of(recorded)
     if isinstance(recorded, Strokes):
-        return recorded
+        return _of_points(recorded)
     kind = kind_of(recorded)
     if kind == "ink":
         return Strokes.of(read_ink(recorded))
     if kind == "strokes":
-        strokes = read_strokes(recorded)
-        points = strokes.trajectories.shape[1]
-        if points != POINTS:
-            raise InputError.of_range(f"the number of points of a stroke in {recorded}", points, f"{POINTS}")
-        return strokes
+        return _of_points(read_strokes(recorded), f" in {recorded}")
+    if kind == TAKE:
+        raise InputError(f"{recorded} holds a take", Remedy.READ_TAKE)
     raise InputError(f"{recorded} is neither ink nor strokes; make ink of it with maulstick record ink")
+
+
+def _of_points(strokes: Strokes, where: str = "") -> Strokes:
+    if (points := strokes.trajectories.shape[1]) != POINTS:
+        raise InputError.of_range(f"the number of points of a stroke{where}", points, f"{POINTS}")
+    return strokes

@@ -22,6 +22,7 @@ _PROPORTION = 1.4  # width of a half over the height of the plot
 _ARRANGED = 0.8  # width of arranged strokes beside it, over that height
 _GAP = 1.5  # lines between strokes
 _LARGEST = 1 / 6  # of the width of a half: the median stroke is enlarged to at most this
+_LEAST = 1e-9  # metres: strokes on one line have no height
 _WIDTH = 0.09  # lines: of a stroke without recorded pressure
 _WIDTHS = 0.04, 0.18  # lines: at pressure 0 and at pressure 1
 
@@ -85,7 +86,7 @@ def _draw_arranged(plot: Plot, style: Fitted, arrangement: Arrangement, left: fl
     parts = [("as the hand lays them", arrangement.paths), ("as the style lays them", arranged)]
     wide, line, margin = plot.width - left - plot.margin, plot.line, plot.margin
     room = np.array([wide - 2 * margin, high - 4.2 * line])
-    scale = min(float((room / np.ptp(paths, axis=(0, 1))).min()) for _, paths in parts)
+    scale = min(float((room / np.ptp(paths, axis=(0, 1)).clip(min=_LEAST)).min()) for _, paths in parts)
     for number, (whose, paths) in enumerate(parts):
         y = margin + number * (high + margin)
         axes = plot.paper(left, y, wide, high, 1.0)

@@ -27,6 +27,7 @@ class Strokes:
     trajectories: (N, n, 3) of x, y in metres and pressure in [0, 1]; pressure is NaN where it was not recorded.
     times: (N, n) seconds since each stroke began; NaN where they were not recorded.
     poses: (N, 3) (dx, dy, dθ), which put each stroke back where it was drawn.
+    Raises InputError where an array has another shape or values that are not allowed.
     """
 
     trajectories: Floats
@@ -46,6 +47,12 @@ class Strokes:
         pressure = self.trajectories[..., 2]
         if ((pressure < 0) | (pressure > 1)).any():
             raise InputError.of_range("pressure", f"{np.nanmin(pressure):g} to {np.nanmax(pressure):g}", "in [0, 1]")
+        for name, values in (("times", self.times), ("pressure", pressure)):
+            known = np.isfinite(values)
+            if np.isinf(values).any() or (known.any(axis=1) != known.all(axis=1)).any():
+                raise InputError(f"the {name} of a stroke must be known at all of its points, or NaN at all of them")
+        if self.trajectories[:, 0, :2].any():
+            raise InputError("a stroke does not begin at the origin; standardise it, and put its place into its pose")
 
     @classmethod
     def of(cls, ink: Ink, n: int = POINTS) -> Self:

@@ -1,6 +1,7 @@
 """Cards of the styles: names, paths and descriptions, which are read without loading a style."""
 
 import os
+from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Annotated, Final, Literal
 
@@ -8,7 +9,8 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from maulstick.errors import InputError, OutputError
 from maulstick.painting.brush import Name
-from maulstick.storage.files import atomic_write, file_to_read, read_whole
+from maulstick.storage.files import atomic_write, file_to_read, held, read_whole
+from maulstick.storage.folders import MAKE_ROOM
 from maulstick.storage.library import NAME, Library
 from maulstick.storage.records import read_record, write_record
 
@@ -24,6 +26,7 @@ LARGEST = 256 * 2**20
 BUILT_IN = Path(__file__).with_name("built_in")
 """Folder of the styles that come with Maulstick."""
 
+_PATIENCE = 10.0  # seconds to wait for another process that writes
 _FREE = "free"  # a style without a file: `maulstick.style.free`
 STYLES = Library("style", "styles", BUILT_IN, taken=_FREE)
 """Library of the styles that come with Maulstick and of the user's own."""
@@ -72,7 +75,7 @@ def read_card(path: Path) -> StyleCard:
 
 
 def style_path(name: str) -> Path:
-    """Return the path of a style's JSON from the style's name, an earlier name of it, or that path.
+    """Return the path of a style's JSON from the style's name, an earlier name of it, that in its card, or that path.
 
     Raises InputError where there is no such style.
     """
@@ -82,9 +85,19 @@ def style_path(name: str) -> Path:
     if Path(name).suffix == ".json":
         return file_to_read(name, "style")
     for path in paths.values():
-        if name in _former_names(path):
+        if name in _other_names(path):
             return path
     raise InputError.of_choice("style", name, [*paths, _FREE, "FILE.json"])
+
+
+def writing_into(folder: Path) -> AbstractContextManager[None]:
+    """Hold a folder of styles, so that no two processes mix the files of one style.
+
+    Raises InputError where another process goes on holding it, and OutputError where nothing can be written beside it.
+    """
+    taken = f"another maulstick is writing into {folder}; wait until it has finished"
+    lock = folder.parent / f".{folder.name}.lock"
+    return held(lock, taken, f"cannot write into the folder of styles {folder}", MAKE_ROOM, _PATIENCE)
 
 
 def rename_style(name: str, new: str) -> Path:
@@ -96,14 +109,15 @@ def rename_style(name: str, new: str) -> Path:
     """
     old = _own_path(name)
     path = STYLES.own() / f"{STYLES.check_name(new)}.json"
-    if new in STYLES.paths() or os.path.lexists(path):
-        raise OutputError(f"there is a style {new} already; choose another name")
-    card = read_card(old)
-    former = tuple(each for each in (*(card.formerly or ()), name) if each != new)
-    atomic_write(path.with_suffix(".safetensors"), read_whole(old.with_suffix(".safetensors"), "style", LARGEST))
-    write_record(card.model_copy(update={"name": new, "formerly": former}), path)
-    old.unlink()
-    old.with_suffix(".safetensors").unlink()
+    with writing_into(path.parent):
+        if new in STYLES.paths() or os.path.lexists(path):
+            raise OutputError(f"there is a style {new} already; choose another name")
+        card = read_card(old)
+        former = tuple(each for each in (*(card.formerly or ()), name) if each != new)
+        atomic_write(path.with_suffix(".safetensors"), read_whole(old.with_suffix(".safetensors"), "style", LARGEST))
+        write_record(card.model_copy(update={"name": new, "formerly": former}), path)
+        old.unlink()
+        old.with_suffix(".safetensors").unlink()
     return path
 
 
@@ -113,7 +127,8 @@ def title_style(name: str, title: str) -> None:
     Raises InputError where the style is not the user's own, OutputError where it cannot be written.
     """
     path = _own_path(name)
-    write_record(read_card(path).model_copy(update={"title": title}), path)
+    with writing_into(path.parent):
+        write_record(read_card(path).model_copy(update={"title": title}), path)
 
 
 def _own_path(name: str) -> Path:
@@ -123,8 +138,10 @@ def _own_path(name: str) -> Path:
     return path
 
 
-def _former_names(path: Path) -> tuple[str, ...]:
+def _other_names(path: Path) -> tuple[str, ...]:
+    """Return the names that paintings may know a style by, other than that of its file."""
     try:
-        return read_card(path).formerly or ()
+        card = read_card(path)
+        return (card.name, *(card.formerly or ()))  # its own name, too: somebody may have renamed its files
     except InputError:  # reported when that style itself is loaded
         return ()

@@ -16,6 +16,7 @@ _BINS, _POINTS = 6, 5  # parts of a stroke whose turning is described, and point
 _LEAST = 1e-9  # keeps 0 out of logarithms and denominators
 _STRAIGHT = 1e-2  # radians per point: less turning than that has no sign
 _HALVINGS = 20  # random halvings that are averaged, so that the result hardly depends on the seed
+_MOST = 2000  # strokes of a hand that are compared: distances between them take time and memory by the square
 _LEAST_APART = 0.4  # standard deviations: smaller differences are not mentioned
 _MOST_SAID = 3  # differences in a sentence
 _LENGTH = 0  # column of a description
@@ -45,9 +46,12 @@ class Comparison:
 
     @classmethod
     def of(cls, first: Floats, second: Floats, rng: np.random.Generator) -> Self:
-        """Compare paths (N, n, 2) and (M, n, 2), metres; descriptions are standardised over both."""
+        """Compare paths (N, n, 2) and (M, n, 2), metres; descriptions are standardised over both.
+
+        Of more than 2,000 strokes so many are drawn, but for `shared`, which is of all.
+        """
         of_first, of_second = ({path.tobytes() for path in paths} for paths in (first, second))
-        described = [describe(paths) for paths in (first, second)]
+        described = [describe(_some(paths, rng)) for paths in (first, second)]
         together = np.concatenate(described)
         spread = together.std(axis=0)
         a, b = ((each - together.mean(axis=0)) / np.where(spread > 0, spread, 1) for each in described)
@@ -96,6 +100,10 @@ def describe(paths: Floats) -> Floats:
     )
 
 
+def _some(paths: Floats, rng: np.random.Generator) -> Floats:
+    return paths if len(paths) <= _MOST else paths[np.sort(rng.choice(len(paths), _MOST, replace=False))]
+
+
 def _inflections(turns: Floats) -> Floats:
     """Changes of the turning's sign per point, (N,); nearly straight parts keep the sign before them."""
     bent = np.abs(turns) > _STRAIGHT
@@ -133,6 +141,16 @@ def nearest_neighbour_accuracy(a: Floats, b: Floats, rng: np.random.Generator, r
     return float(np.mean(hits))
 
 
+def kolmogorov_smirnov(a: Floats, b: Floats) -> float:
+    """Largest difference between the shares of numbers (N,) and (M,) up to any value: 0 for equal distributions.
+
+    `scipy.stats.ks_2samp` finds the same, but takes a second to load.
+    """
+    both = np.concatenate([a, b])
+    up_to = [np.searchsorted(np.sort(each), both, side="right") / len(each) for each in (a, b)]
+    return float(np.abs(up_to[0] - up_to[1]).max())
+
+
 def distance_to_nearest(a: Floats, b: Floats) -> float:
     """Mean distance from a description of `a` (N, k) to the nearest of `b` (M, k)."""
     return float(cdist(a, b).min(axis=1).mean())
@@ -147,9 +165,11 @@ def _of_halves(described: Floats, rng: np.random.Generator) -> float:
 def _in_words(first: Floats, second: Floats, ratio: float) -> str:
     """Return the largest differences between standardised descriptions in words; `ratio` is the one of lengths."""
     apart = second.mean(axis=0) - first.mean(axis=0)
-    columns = sorted((_LENGTH, *_MORE_AND_LESS), key=lambda column: -abs(apart[column]))
+    times = f"{float(f'{ratio:.2g}'):g}"  # with .2g alone 123 would be told as 1.2e+02
+    told = _MORE_AND_LESS if times == "1" else (_LENGTH, *_MORE_AND_LESS)
+    columns = sorted(told, key=lambda column: -abs(apart[column]))
     said = [
-        f"are {ratio:.2g} times as long" if column == _LENGTH else _MORE_AND_LESS[column][int(apart[column] < 0)]
+        f"are {times} times as long" if column == _LENGTH else _MORE_AND_LESS[column][int(apart[column] < 0)]
         for column in columns[:_MOST_SAID]
         if abs(apart[column]) >= _LEAST_APART
     ]

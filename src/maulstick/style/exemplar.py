@@ -14,7 +14,7 @@ from maulstick.storage.arrays import Floats
 from maulstick.strokes.strokes import POINTS
 from maulstick.style import shape
 from maulstick.style.arrangement import Arrangement
-from maulstick.style.compare import CURVINESS, describe
+from maulstick.style.compare import CURVINESS, describe, kolmogorov_smirnov
 from maulstick.style.density import Density, kernel
 from maulstick.style.hand import Hand, by_length
 from maulstick.style.lengths import keep_lengths
@@ -87,20 +87,19 @@ class Exemplar(Style):
     def fit(cls, name: str, hand: Hand, hands: PooledHands) -> Self:
         """Return the style with the most freedom whose samples vary as the hand does in bends, roughness and waves."""
         bound = cls(name, hand, hands, _FREEDOMS[-1])
-        allowed = bound._apart() + _APART
+        own = describe(hand.paths)[:, CURVINESS]
+        allowed = bound._apart(own, bound.freedom) + _APART
         for freedom in _FREEDOMS[:-1]:
-            freer = replace(bound, freedom=freedom)
-            if (freer._apart() <= allowed).all():
-                return freer
+            if (bound._apart(own, freedom) <= allowed).all():
+                return replace(bound, freedom=freedom)
         return bound
 
-    def _apart(self) -> Floats:
-        """Kolmogorov-Smirnov distance of samples from the hand, (3,), in how bent, rough and wavy they are."""
-        from scipy.stats import ks_2samp  # takes a moment, and a style that is loaded needs none
-
-        codes, _ = self.sample(_TRIALS, torch.Generator().manual_seed(0))
-        both = [describe(paths)[:, CURVINESS].T for paths in (self.decode(codes).double().numpy(), self.hand.paths)]
-        return np.array([ks_2samp(drawn, seen).statistic for drawn, seen in zip(*both, strict=True)])
+    def _apart(self, own: Floats, freedom: float) -> Floats:
+        """Kolmogorov-Smirnov distance of samples from the hand's own (M, 3), in how bent, rough and wavy, (3,)."""
+        generator = torch.Generator().manual_seed(0)
+        codes = self._codes_around(self.hand.choose(_TRIALS, generator), generator, freedom)
+        drawn = describe(self.decode(codes).double().numpy())[:, CURVINESS]
+        return np.array([kolmogorov_smirnov(*columns) for columns in zip(drawn.T, own.T, strict=True)])
 
     @cached_property
     def hash(self) -> str:
@@ -193,15 +192,17 @@ class Exemplar(Style):
 
     def sample_around(self, rows: Tensor, generator: Generator) -> tuple[Tensor, Tensor]:
         """Draw a stroke around each of the hand's strokes `rows` (k,), codes (k, 63) and pressure knots (k, 4)."""
+        return self._codes_around(rows, generator, self.freedom), self.hand.sample_pressure(rows, generator)
+
+    def _codes_around(self, rows: Tensor, generator: Generator, freedom: float) -> Tensor:
         drawn = self._neighbours.sample(rows, generator) * self._usual
         for logarithm in (_LENGTH, _ROUGHNESS):  # else a few strokes would be many times as long or as rough
             drawn[:, logarithm].clamp_(*self._centres[:, logarithm].aminmax())
         directions = normalize(self._numbers[:, GIST:], dim=1)
         shares = torch.randn(len(rows), len(directions), generator=generator).to(directions) / len(directions) ** 0.5
-        mixed = self.freedom * shares @ directions + (1 - self.freedom) * directions[rows]
+        mixed = freedom * shares @ directions + (1 - freedom) * directions[rows]
         residuals = normalize(mixed, dim=1) * drawn[:, GIST:].exp()
-        codes = torch.cat([drawn[:, :GIST], residuals], dim=1) / self._units
-        return codes.float(), self.hand.sample_pressure(rows, generator)
+        return (torch.cat([drawn[:, :GIST], residuals], dim=1) / self._units).float()
 
     def sample_for(self, lengths: Tensor, generator: Generator, rows: Tensor | None = None) -> tuple[Tensor, Tensor]:
         """Draw one stroke per place, (k, 63) and (k, 4); the longest gets the place with most room."""

@@ -19,6 +19,7 @@ from maulstick.style.traits import path_length, quantiles
 LONGEST = 100.0
 """Longest stroke, and farthest place of one, metres: as large as a sheet may be."""
 
+_MOST = 20_000  # strokes: half a minute and 5 GB, which grow by the square
 _SHORTEST = 1e-3  # metres; anything shorter is a dot
 _SLOWEST, _QUICKEST = 1e-3, 2.0  # metres per second: bounds against pauses and errors in the recorded times
 _PRESSURE_VARIES = 0.15  # standard deviation of a knot's pressure about that of the hand's stroke, in `pressure_cost`
@@ -44,12 +45,14 @@ class Hand:
     def of(cls, strokes: Strokes) -> Self:
         """Return the hand of all strokes that are at least a millimetre long.
 
-        Raises InputError for fewer than five, and for strokes that are longer or lie farther than `LONGEST`.
+        Raises InputError for fewer than five or over 20,000, and where one is longer or lies farther than `LONGEST`.
         """
         strokes = strokes[strokes.lengths >= _SHORTEST]
         if len(strokes) < FEWEST:
             allowed = f"at least {FEWEST}, and 20 make a good style; draw more"
             raise InputError.of_range("the number of strokes of a millimetre or more", len(strokes), allowed)
+        if len(strokes) > _MOST:
+            raise InputError.of_range("the number of strokes", len(strokes), f"at most {_MOST}; learn from fewer files")
         if strokes.trajectories.shape[1] != POINTS:
             raise InputError.of_range("the points of a stroke", strokes.trajectories.shape[1], f"{POINTS}")
         if (longest := float(strokes.lengths.max())) > LONGEST:

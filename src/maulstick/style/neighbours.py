@@ -55,5 +55,5 @@ class Neighbours:
         apart = torch.cdist(self.centres, self.centres, compute_mode="donot_use_mm_for_euclid_dist")
         reach = apart.topk(min(_NEIGHBOURS, len(apart) - 1) + 1, dim=1, largest=False).values[:, -1]
         reach = reach.clamp(max=_FARTHEST * float(reach.median())) + _SAME
-        weights = (-(apart / reach[:, None]).square() / 2).exp().fill_diagonal_(0)
-        return weights / weights.sum(1, keepdim=True).clamp(min=1)
+        weights = apart.div_(reach[:, None]).square_().div_(-2).exp_().fill_diagonal_(0)  # in place: M² may be 1 GB
+        return weights.div_(weights.sum(1, keepdim=True).clamp(min=1))

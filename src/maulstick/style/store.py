@@ -18,7 +18,16 @@ from maulstick.storage.files import atomic_write, read_whole
 from maulstick.storage.records import write_record
 from maulstick.storage.text import is_printable
 from maulstick.strokes.strokes import POINTS, path_lengths
-from maulstick.style.cards import BUILT_IN, LARGEST, STYLES, ExemplarSettings, StyleCard, TrajVAESettings, read_card
+from maulstick.style.cards import (
+    BUILT_IN,
+    LARGEST,
+    STYLES,
+    ExemplarSettings,
+    StyleCard,
+    TrajVAESettings,
+    read_card,
+    writing_into,
+)
 from maulstick.style.exemplar import Exemplar, PooledHands
 from maulstick.style.hand import LONGEST, Hand
 from maulstick.style.pressure import KNOTS
@@ -40,7 +49,8 @@ def write_style(style: Fitted, source: str, folder: Path) -> Path:
     """Write a style into a folder, which is made where missing, and return the path of its JSON.
 
     source: what the style was learned from, for people.  Title and earlier names stay those of the style that it
-    replaces.  Raises OutputError where writing fails. A JSON is never left beside arrays that do not belong to it.
+    replaces.  Raises OutputError where writing fails, and InputError where another process goes on writing into the
+    folder. A JSON is never left beside arrays that do not belong to it.
     """
     name = STYLES.check_name(style.name)
     arrays = {field: getattr(style.hand, field).astype(np.float32) for field in _HAND}
@@ -56,23 +66,30 @@ def write_style(style: Fitted, source: str, folder: Path) -> Path:
     digest = hashlib.sha256(content).hexdigest()
     card = StyleCard(name=name, source=_printable(source), strokes=len(style.hand), settings=settings, sha256=digest)
     path = folder / f"{name}.json"
-    with suppress(InputError):  # there is none, or it is broken
-        replaced = read_card(path)
-        card = card.model_copy(update={"title": replaced.title, "formerly": replaced.formerly})
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        with TemporaryDirectory(dir=folder, prefix=".maulstick-") as staging:
-            new = Path(staging) / path.name
-            atomic_write(new.with_suffix(".safetensors"), content)
-            write_record(card, new)
-            path.unlink(missing_ok=True)
-            new.with_suffix(".safetensors").replace(path.with_suffix(".safetensors"))
-            new.replace(path)
-    except OutputError as error:
-        raise error.replaced(staging, str(folder)) from error
+        with writing_into(folder), TemporaryDirectory(dir=folder, prefix=".maulstick-") as staging:
+            _replace(path, card, content, Path(staging))
+    except OutputError:
+        raise
     except OSError as error:
         raise OutputError(f"cannot write into the folder of styles {folder}: {error.strerror}") from error
     return path
+
+
+def _replace(path: Path, card: StyleCard, content: bytes, staging: Path) -> None:
+    with suppress(InputError):  # there is none, or it is broken
+        replaced = read_card(path)
+        card = card.model_copy(update={"title": replaced.title, "formerly": replaced.formerly})
+    new = staging / path.name
+    try:
+        atomic_write(new.with_suffix(".safetensors"), content)
+        write_record(card, new)
+    except OutputError as error:
+        raise error.replaced(str(staging), str(path.parent)) from error
+    path.unlink(missing_ok=True)
+    new.with_suffix(".safetensors").replace(path.with_suffix(".safetensors"))
+    new.replace(path)
 
 
 def read_style(path: Path) -> Fitted:

@@ -30,6 +30,10 @@ def test_hatching_is_told_by_its_groups_direction_and_spacing(direction: float, 
     assert words(strokes(direction)) == f"groups of 10 or more, parallel, {way}, 5.0 mm apart; cross rarely"
 
 
+def test_the_spacing_of_fine_hatching_is_not_told_as_none() -> None:
+    assert ", 0.04 mm apart" in words(0.008 * strokes(0.0, lengths=np.full(40, 0.2)))
+
+
 def test_a_grid_goes_all_ways_and_crosses_often() -> None:
     grid = np.concatenate(
         [strokes(0.0, 20, np.full(20, 0.1)), np.array([0.1, 0.0]) + strokes(np.pi / 2, 20, np.full(20, 0.1))]

@@ -8,10 +8,9 @@ from rich.console import Console
 
 from maulstick.cli.record.writing import check_out, write_result
 from maulstick.errors import InputError
-from maulstick.painting.raster import parse_length, parse_size
+from maulstick.painting.raster import parse_size
+from maulstick.recording.files.page import parse_longest
 from maulstick.storage.folders import made_folder
-
-_SMALLEST, _LARGEST = 1e-3, 50.0  # metres: sides of a drawing; others are slips of the unit
 
 
 def ink(
@@ -48,9 +47,7 @@ def ink(
     if size is not None and longest is not None:
         raise InputError("--size and --longest cannot both be kept; give one of them")
     sheet = None if size is None else parse_size(size)
-    longer = None if longest is None else parse_length(longest)
-    if longer is not None and not _SMALLEST <= longer <= _LARGEST:
-        raise InputError.of_range("--longest", longest, "between 1 mm and 50 m")
+    longer = None if longest is None else parse_longest(longest)
     from maulstick.recording.files.ink_files import read_ink_file  # loads parsers
 
     with made_folder(out.parent):

@@ -52,7 +52,7 @@ def read_ink_file(
     except RecursionError as error:
         raise InputError(f"cannot read {path} as {name}: it is nested too deeply, or refers to itself") from error
     except Exception as error:  # the parsers raise nearly anything
-        fault = " ".join(str(error).split()) or type(error).__name__
+        fault = " ".join(str(error).split()) or f"it is damaged; save it again as plain {name}"
         raise InputError(f"cannot read {path} as {name}: {fault[:200]}") from error
     if page.unit is None and size is None and longest is None:
         note(f"{path.name} does not say how large it was drawn: its longer side is taken to be {LONGEST * 1e3:g} mm")
@@ -65,6 +65,8 @@ def _reader(content: bytes, path: Path) -> tuple[str, Callable[[bytes], Page]]:
         return "UIM", read_uim
     if content[:4] == b"PK\x03\x04":
         return "WILL", read_will
+    if content[:2] == b"\x1f\x8b":
+        raise InputError(f"{path} is compressed, as an SVG may be; save it as plain SVG")
     if start[:1] == b"{":
         return "pointer events", read_pointer_events
     outermost = re.search(rb"<(?:[\w.-]+:)?(svg|ink)[\s/>]", start.replace(b"\0", b""))  # UTF-16 is ASCII with zeros

@@ -4,13 +4,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from maulstick.errors import InputError
+from maulstick.errors import InputError, option
+from maulstick.painting.raster import parse_length
 from maulstick.storage.arrays import Floats
 from maulstick.strokes.ink import Ink
 
 LONGEST = 0.15
 """Longer side, metres, that a drawing of unknown scale gets."""
 
+_LEAST_LONGEST, _MOST_LONGEST = 1e-3, 50.0  # metres: longer sides of drawings; others are slips of the unit
 _MARGIN = 0.05  # around a drawing without a page, relative to its longer side
 _LEAST_SHEET = 10e-3  # metres: least side of a sheet, also around a straight line
 _COARSE = 0.25  # share of steps from sample to sample that take no time, from which on a clock is too coarse
@@ -31,6 +33,14 @@ class Page:
     unit: float | None
     size: tuple[float, float] | None
     kind: str
+
+
+def parse_longest(text: str) -> float:
+    """Return metres of the longer side of a drawing, as in ``150mm``. Raises InputError, also for 0 and over 50 m."""
+    longest = parse_length(text)
+    if not _LEAST_LONGEST <= longest <= _MOST_LONGEST:
+        raise InputError.of_range(option("longest"), text, "between 1 mm and 50 m")
+    return longest
 
 
 def on_sheet(page: Page, size: tuple[float, float] | None, longest: float | None, source: str) -> Ink:
@@ -63,7 +73,7 @@ def on_sheet(page: Page, size: tuple[float, float] | None, longest: float | None
     if size is not None:
         scale = min((side / length for side, length in zip(size, box.tolist(), strict=True) if length > 0), default=1.0)
     elif wanted is not None:
-        scale = wanted / longer if longer > 0 else 1.0
+        scale = wanted / longer if longer > 0 else page.unit or 1.0
     else:
         scale = page.unit or 1.0
     width, height = size or np.maximum(np.round(scale * box, 6), _LEAST_SHEET).tolist()

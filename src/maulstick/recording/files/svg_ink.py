@@ -1,4 +1,4 @@
-"""Reader of SVG: every visible shape is a stroke."""
+"""Reader of SVG: every shape that is not hidden is a stroke, also one without an outline and a fill."""
 
 import io
 import re

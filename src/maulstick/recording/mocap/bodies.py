@@ -1,6 +1,6 @@
 """Choice of the pen and the canvas among the rigid bodies that motion capture tracks."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from maulstick.errors import InputError, option
 
@@ -10,6 +10,13 @@ CANVAS_MARKERS = 3
 _PEN = ("pen", "brush", "stylus")  # words in the name of a pen's rigid body
 _CANVAS = ("canvas", "paper", "board", "sheet")  # words in the name of a canvas's
 _LISTED = 12  # rigid bodies that a message lists at most
+
+
+def check_names(names: Sequence[str]) -> None:
+    """Raise InputError where two rigid bodies have one name, so that one would be taken for the other."""
+    twice = [name for name in names if names.count(name) > 1]
+    if twice:
+        raise InputError(f"two rigid bodies are called {twice[0][:40]!r}; rename one in Motive, and try again")
 
 
 def pen_and_canvas(

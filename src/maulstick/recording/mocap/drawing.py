@@ -109,9 +109,11 @@ def _decided(contact: Contact, options: ContactOptions, beside: int) -> list[str
 
 
 def _cut(touches: Frames, heights: Floats) -> list[str]:
-    around = np.concatenate([[np.nan], heights, [np.nan]])
-    cut = np.isnan(around[touches[:, 0]]) | np.isnan(around[touches[:, 1] + 1])
-    return [f"{_count(int(cut.sum()), 'stroke')} cut short where the pen was lost"] if cut.any() else []
+    around = np.concatenate([[np.inf], heights, [np.inf]])
+    beside = around[np.column_stack([touches[:, 0], touches[:, 1] + 1])]
+    parts = ((np.isnan(beside), "where the pen was lost"), (np.isinf(beside), "where the take begins or ends"))
+    cuts = [(int(cut.any(axis=1).sum()), where) for cut, where in parts]
+    return [f"{_count(number, 'stroke')} cut short {where}" for number, where in cuts if number]
 
 
 def _drawn(strokes: list[Floats]) -> str:

@@ -7,6 +7,7 @@ from itertools import pairwise
 from typing import BinaryIO, NamedTuple
 
 from maulstick.errors import InputError
+from maulstick.recording.mocap.bodies import check_names
 
 MOST_FRAMES = 10_000_000
 """Most frames that are read: over 11 hours at 240 Hz."""
@@ -111,6 +112,7 @@ def _header_of(facts: list[str], delimiter: str, rows: list[list[str]], axes: li
         thing = _Thing(kind, name, parent, tuple(rest))
         if things.setdefault(thing, {}).setdefault((quantity, axis), place) != place:
             raise InputError(f"two columns are {quantity} {axis!r} of {name[:40]!r}; export it again")
+    check_names([thing.name for thing in things if thing.kind == _BODY])
     poses = {thing.name: columns for thing, columns in things.items() if thing.kind == _BODY}
     seen: dict[str, dict[str | None, list[Axes]]] = {_MARKER: {}, _SOLVED: {}}
     for thing, columns in things.items():

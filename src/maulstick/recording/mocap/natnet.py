@@ -14,7 +14,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from maulstick.errors import InputError, how_to_add, option
-from maulstick.recording.mocap.bodies import CANVAS_MARKERS, pen_and_canvas
+from maulstick.recording.mocap.bodies import CANVAS_MARKERS, check_names, pen_and_canvas
 from maulstick.recording.mocap.take import Take, is_unit
 from maulstick.storage.arrays import Floats
 
@@ -172,6 +172,7 @@ class _Recorder:
     """Frames as numbers: the time, position and rotation of the pen and of the canvas, markers of both."""
 
     def __init__(self, description: Any, first: Any, pen: str | None, canvas: str | None) -> None:
+        check_names([body.name for body in description.rigid_bodies])
         bodies = {body.name: body for body in description.rigid_bodies}
         loose = [marker.id_num for marker in first.labeled_markers if marker.unlabeled]
         counts = {name: len(body.markers) for name, body in bodies.items()}

@@ -28,8 +28,12 @@ def told(arrangement: Arrangement, recordings: int = 1) -> str:
     more = " or more" if size >= LARGEST_GROUP else ""
     company = f"groups of {size:.0f}{more}" if size > 1 else "single strokes"
     apart = 1e3 * near.unit * float(near.numbers[:, MEAN_GAP].median().exp())
-    parts = [f"{company}, {way}{_leaning(arrangement)}, {apart:.1f} mm apart", _crossing(arrangement)]
+    parts = [f"{company}, {way}{_leaning(arrangement)}, {_millimetres(apart)} apart", _crossing(arrangement)]
     return "; ".join([*parts, *_joints(arrangement), *(_order(arrangement) if recordings == 1 else [])])
+
+
+def _millimetres(apart: float) -> str:
+    return f"{apart:.1f} mm" if apart >= 0.1 else f"{apart:.1g} mm"
 
 
 def _leaning(arrangement: Arrangement) -> str:
