@@ -386,7 +386,7 @@ def test_trials_are_made_in_a_new_or_an_empty_folder_only(tmp_path: Path, three:
     ("change", "text"),
     [
         ({"medium": ""}, "medium: String should have at least 1 character"),
-        ({"medium": "a\nb"}, "medium: Value error, a name must be made of printable characters"),
+        ({"medium": "a\nb"}, "medium: a name must be made of printable characters"),
         ({"pixels_per_metre": 0}, "pixels_per_metre: Input should be greater than 0 (got 0)"),
         ({"pixels_per_metre": float("inf")}, "pixels_per_metre: Input should be a finite number (got inf)"),
         ({"depth": (0.0, float("nan"))}, "depth[1]: Input should be a finite number (got nan)"),
@@ -421,9 +421,9 @@ def of_stroke(index: int, **change: object) -> Callable[[dict[str, Any]], object
         (lambda c: c.update(canvas=[1, 1]), "canvas: Extra inputs are not permitted"),
         (
             of_stroke(1, before="../a.png"),
-            "stroke 2: before: Value error, a photograph must be a PNG of the same folder",
+            "stroke 2: before: a photograph must be a PNG of the same folder",
         ),
-        (lambda c: c.update(paper="../a.png"), "paper: Value error, a photograph must be a PNG of the same folder"),
+        (lambda c: c.update(paper="../a.png"), "paper: a photograph must be a PNG of the same folder"),
         (lambda c: c["strokes"].append(1), "stroke 4: Input should be an object (got 1)"),
         (of_stroke(1, path=[]), "stroke 2: path: Tuple should have at least 1 item"),
         (of_stroke(0, path=[[0, 0]]), "stroke 1: path[0][2]: Field required"),
@@ -456,7 +456,7 @@ def test_a_photograph_outside_the_folder_is_refused(three: Path, name: str) -> N
     path.write_text(json.dumps(content))
     with pytest.raises(InputError) as caught:
         Trials.open(three)
-    expected = "stroke 2: after: Value error, a photograph must be a PNG of the same folder, named without folders"
+    expected = "stroke 2: after: a photograph must be a PNG of the same folder, named without folders"
     assert str(caught.value).startswith(f"{path} is not a list of trials: {expected}")
 
 

@@ -74,6 +74,7 @@ def test_vectors_without_a_scale_are_150_mm_long(vectors: Path) -> None:
 def test_size_and_longest_set_the_scale(vectors: Path) -> None:
     for words, told in (
         (("--longest", "30cm"), "0.671 m drawn on 330 x 180 mm"),
+        (("--longest", "300"), "0.671 m drawn on 330 x 180 mm"),
         (("--size", "A4-landscape"), "0.604 m drawn on 297 x 210 mm"),
     ):
         ran = run("record", "ink", vectors, "--out", vectors.with_name("cat.ink.npz"), "--overwrite", *words)
@@ -93,7 +94,7 @@ def test_a_name_that_ends_in_strokes_gets_strokes(drawing: Path) -> None:
         (("--longest", "9mm", "--size", "A4"), "--size and --longest cannot both be kept; give one of them"),
         (("--longest", "0mm"), "--longest is 0mm; it must be between 1 mm and 50 m"),
         (("--longest", "51m"), "--longest is 51m; it must be between 1 mm and 50 m"),
-        (("--longest", "9"), "'9' is not a length; write a number and a unit, as in 139mm, 13.9cm or 5.5in"),
+        (("--longest", "long"), "'long' is not a length; write a number and a unit, as in 139mm, 13.9cm or 5.5in"),
         (
             ("--size", "A1"),
             "'A1' is not a size; write width x height and a unit, as in 200x160mm, or one of A2, A3, A4,",

@@ -37,6 +37,15 @@ def motive(take: Path, *words: str | Path) -> Ran:
     return run("record", "motive", take, "--pen-length", "139mm", *words)
 
 
+def test_lengths_of_a_pen_are_typed_in_millimetres_or_with_their_unit() -> None:
+    typed, with_unit = (options.tip_of(length, "-y", None, None, None) for length in ("139", "139mm"))
+    assert np.array_equal(typed[0], with_unit[0])
+    assert np.allclose(typed[0], [0, -0.139, 0])
+    assert typed[1] == with_unit[1]
+    low, lower = (options.contact_options(height, "20ms", "30ms") for height in ("0.5", "0.5mm"))
+    assert low == lower
+
+
 def test_a_session_goes_from_motives_export_to_its_strokes(tmp_path: Path) -> None:
     simulated = simulate(mocap_strokes("circular"), 3)
     take = tmp_path / "take.csv"
@@ -125,7 +134,7 @@ def test_what_is_there_is_replaced_only_when_told_to(record: Path, there: str) -
             ["--pivot", "p.csv"],
             "say where the pen's tip is: with --pen-length, as in 139mm, or with a pivot take, --pivot",
         ),
-        (["--pen-length", "139"], "'139' is not a length; write a number and a unit"),
+        (["--pen-length", "long"], "--pen-length is 'long'; it must be a length, as 10 for millimetres, 10mm or 1cm"),
         (["--pen-length", "139m"], "--pen-length is 139m; it must be at most 2 m"),
         (["--pen-length", "200mm"], "the tip rests -"),
         (["--pen-axis", "w"], "there is no axis 'w'; there are: -x, -y, -z, x, y, z"),
@@ -134,7 +143,7 @@ def test_what_is_there_is_replaced_only_when_told_to(record: Path, there: str) -
             ["--corner", "left"],
             "there is no corner 'left'; there are: lower-left, lower-right, upper-left, upper-right",
         ),
-        (["--threshold", "2"], "'2' is not a length"),
+        (["--threshold", "high"], "--threshold is 'high'; it must be a length, as 10 for millimetres"),
         (["--threshold", "2m"], "the threshold is 2000 mm; it must be between 0.05 and 20 mm"),
         (["--merge", "20"], "--merge is '20'; write a time and its unit, as in 20ms or 0.02s"),
         (["--shortest", "1h"], "--shortest is '1h'; write a time and its unit"),

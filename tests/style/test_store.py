@@ -271,7 +271,7 @@ def test_arrays_without_their_card_and_those_of_another_style_are_refused(style:
         ({"version": 2}, "version: Input should be 1"),
         ({"name": "../x"}, "name: String should match pattern"),
         ({"strokes": -1}, "strokes: Input should be greater than or equal to 5"),
-        ({"source": "\x1b[31m"}, "source: Value error, a name must be made of printable characters"),
+        ({"source": "\x1b[31m"}, "source: a name must be made of printable characters"),
         ({"settings": {"kind": "magic"}}, "settings: Input tag 'magic' found using 'kind' does not match"),
         ({"settings": {"kind": "exemplar", "freedom": 2}}, "settings.exemplar.freedom: Input should be less than"),
         ({"settings": {"kind": "exemplar", "freedom": float("nan")}}, "settings.exemplar.freedom: Input should be a f"),

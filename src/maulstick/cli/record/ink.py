@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
+from maulstick.cli.lengths import with_unit
 from maulstick.cli.record.writing import check_out, write_result
 from maulstick.errors import InputError
 from maulstick.painting.raster import parse_size
@@ -47,7 +48,7 @@ def ink(
     if size is not None and longest is not None:
         raise InputError("--size and --longest cannot both be kept; give one of them")
     sheet = None if size is None else parse_size(size)
-    longer = None if longest is None else parse_longest(longest)
+    longer = None if longest is None else parse_longest(with_unit(longest))
     from maulstick.recording.files.ink_files import read_ink_file  # loads parsers
 
     with made_folder(out.parent):

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 import typer
 
+from maulstick.cli.lengths import metres, with_unit
 from maulstick.errors import InputError
-from maulstick.painting.raster import parse_length
 from maulstick.storage.arrays import Floats
 
 if TYPE_CHECKING:
@@ -115,7 +115,7 @@ def contact_options(threshold: str | None, merge: str, shortest: str) -> "Contac
     """Return the options from their texts. Raises InputError for one that cannot be used."""
     from maulstick.recording.mocap.contact import ContactOptions  # loads scipy
 
-    height = None if threshold is None else parse_length(threshold)
+    height = None if threshold is None else metres(threshold, "--threshold")
     return ContactOptions(height, merge=_seconds("--merge", merge), shortest=_seconds("--shortest", shortest))
 
 
@@ -129,10 +129,11 @@ def tip_of(length: str | None, axis: str, pivot: Path | None, pen: str | None, b
     if axis not in _AXES:
         raise InputError.of_choice("axis", axis, _AXES)
     if length is not None:
-        metres = parse_length(length)
-        if not 0 <= metres <= _LONGEST_PEN:
+        away = metres(length, "--pen-length")
+        if not 0 <= away <= _LONGEST_PEN:
             raise InputError.of_range("--pen-length", length, "at most 2 m")
-        return metres * np.array(_AXES[axis], dtype=np.float64), f"the tip is {length} from the rigid body along {axis}"
+        said = f"the tip is {with_unit(length)} from the rigid body along {axis}"
+        return away * np.array(_AXES[axis], dtype=np.float64), said
     assert pivot is not None
     from maulstick.recording.mocap.motive import read_motive  # these load pandas and scipy
     from maulstick.recording.mocap.pivot import calibrate_pivot
