@@ -109,6 +109,28 @@ def test_a_pen_that_is_not_where_it_may_be_is_not_moved() -> None:
         assert device.steps == (-4000, -4000)
 
 
+@pytest.mark.parametrize("steps", [(8000, 8001), (8001, -8000), (-1, 0), (0, 1)])
+def test_a_stop_between_the_steps_of_its_motors_along_an_edge_leaves_the_pen_on_the_edge(
+    steps: tuple[int, int],
+) -> None:
+    with FakeEbb(steps=steps) as device, AxiDraw(device.port, PEN) as robot:
+        robot.limits.check_path(robot.place[None])
+        assert robot.place[:2] == pytest.approx(places_of([steps])[0], abs=STEP_METRES)
+        robot.limits.check_path(robot.lift(0.005)[None])
+        robot.move(np.zeros(3))
+        assert device.steps == (0, 0)
+
+
+def test_it_lifts_its_pen_at_home_where_an_easel_leaves_that_out() -> None:
+    narrow = Limits(
+        lower=(0.01, -0.2, -0.1), upper=(0.2, -0.01, 0.1), speed=1, climb=1, acceleration=5, varies_pressure=True
+    )
+    with FakeEbb() as device, AxiDraw(device.port, PEN, narrow) as robot:
+        assert robot.lift(0.005).tolist() == [0, 0, 0.005]
+        robot.move(ABOVE)
+        assert places_of([device.steps])[0] == pytest.approx(ABOVE[:2])
+
+
 @pytest.fixture(scope="module")
 def session() -> Iterator[tuple[FakeEbb, AxiDraw]]:
     narrow = Limits(

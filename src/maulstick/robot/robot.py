@@ -173,9 +173,12 @@ class Robot(ABC):
 
     @final
     def lift(self, height: float) -> Floats:
-        """Lift the tip straight up to a height, metres; returns the place commanded, (3,)."""
+        """Lift the tip straight up to a height, metres; returns the place commanded, (3,).
+
+        A tip that was put beside its limits, by hand or by a narrower easel, is lifted there: it goes nowhere else.
+        """
         goal = np.array([*self.place[:2], height], dtype=np.float64)
-        self.limits.check_path(goal[None])
+        self.limits.check_height(height)
         self._clear = max(self._clear, height)
         place = self._do(lambda: self._lift(goal))
         self._down = self._low = False

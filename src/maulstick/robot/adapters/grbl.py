@@ -134,7 +134,7 @@ class Grbl(KeepsOrigin, LetsGo, HasServo, OverridesSpeed):
 
     def _lift(self, place: Floats) -> Floats:
         self._stream.run(self._gcode.lift(place))
-        return self._gcode.rounded(place)
+        return np.array([*place[:2], self._gcode.rounded(place)[2]])
 
     def _set_servo(self) -> Floats:
         place = self.place
@@ -171,9 +171,9 @@ class Grbl(KeepsOrigin, LetsGo, HasServo, OverridesSpeed):
         """Lift the pen to a height, metres, unless it is higher; returns the place of the tip then, (3,)."""
         status = stream.status()
         tip = status.tip - self._origin if status.of_machine else status.tip
-        inside = np.clip([*tip[:2], max(tip[2], height)], self.limits.lower, self.limits.upper)
-        stream.run([*self._gcode.begin(), *self._gcode.lift(inside)])
-        return np.array([*tip[:2], inside[2]])
+        lifted = np.array([*tip[:2], np.clip(max(tip[2], height), self.limits.lower[2], self.limits.upper[2])])
+        stream.run([*self._gcode.begin(), *self._gcode.lift(lifted)])
+        return lifted
 
     def _take_settings(self) -> None:
         """Ask the machine for its settings, and set the limits and the work's origin by them."""
