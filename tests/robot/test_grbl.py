@@ -1,4 +1,5 @@
 import os
+import re
 import termios
 import time
 from collections.abc import Iterator
@@ -376,9 +377,10 @@ def test_a_machine_without_travel_has_no_limits() -> None:
         entered(Grbl(device.port))
 
 
-def test_an_older_grbl_is_refused() -> None:
-    sentence = r"is a Grbl 0\.9j; it must be a Grbl 1\.1"
-    with FakeGrbl(banner="Grbl 0.9j ['$' for help]") as device, pytest.raises(MachineError, match=sentence):
+@pytest.mark.parametrize("kind", ["Grbl 0.9j", "Grbl 3.7", "GrblHAL 1.1f"])
+def test_another_grbl_is_refused_by_its_name(kind: str) -> None:
+    sentence = rf"is a {re.escape(kind)}; it must be a Grbl 1\.1, or be given a file"
+    with FakeGrbl(banner=f"{kind} ['$' for help]") as device, pytest.raises(MachineError, match=sentence):
         entered(Grbl(device.port))
 
 
@@ -400,6 +402,18 @@ def test_a_baud_rate_comes_after_an_at_sign() -> None:
         assert robot.place[2] > 0
     with pytest.raises(InputError, match=r"the baud rate of a Grbl is 'fast'; it must be a whole number"):
         Grbl("/dev/ttyUSB0@fast")
+    with FakeGrbl() as device, pytest.raises(InputError, match=r"the baud rate is 99999999999; it must be one that"):
+        entered(Grbl(f"{device.port}@99999999999"))
+
+
+@pytest.mark.parametrize("pen", [None, SERVO])
+def test_a_tip_that_was_put_beside_its_limits_is_lifted_there_and_moves_into_them(pen: Pen | None) -> None:
+    with FakeGrbl(start=(-3, 0, 0)) as device, Grbl(device.port, pen) as robot:
+        assert robot.lift(0.02) == pytest.approx([-0.003, 0, 0.02])
+        with pytest.raises(InputError, match="the machine's z is 100 mm"):
+            robot.lift(0.1)
+        robot.move(np.array([0, 0, 0.02]))
+        assert device.place == pytest.approx((0, 0, 20 if pen is None else 0))
 
 
 def test_every_code_of_grbl_1_1_has_its_words() -> None:

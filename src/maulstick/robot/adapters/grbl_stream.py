@@ -199,9 +199,12 @@ class GrblStream:
         """Return whether Grbl greets in time. Raises MachineError where it is not version 1.1."""
         patience = Patience(min(_BETWEEN_RESETS, self._patience))
         while not patience.over:
-            if (found := re.match(r"Grbl (\S+)", self._line.line() or "")) is not None:
-                if not found[1].startswith("1.1"):
-                    raise MachineError(f"the machine on {self._line.port} is a Grbl {found[1]}; it must be a Grbl 1.1")
+            if (found := re.match(r"(?i)(grbl\w*) (\S+)", self._line.line() or "")) is not None:
+                if found[1] != "Grbl" or not found[2].startswith("1.1"):  # grblHAL greets as GrblHAL 1.1f
+                    raise MachineError(
+                        f"the machine on {self._line.port} is a {found[1]} {found[2]}; it must be a Grbl 1.1, or be "
+                        "given a file, as maulstick export writes"
+                    )
                 return True
         return False
 
