@@ -306,6 +306,16 @@ def test_a_stop_from_another_thread_halts_a_stroke_and_lifts_the_pen() -> None:
             assert robot.place[:2] == pytest.approx(at)
 
 
+@pytest.mark.parametrize("future", [True, False])
+def test_a_board_that_another_program_left_in_its_new_syntax_is_driven_as_ever(future: bool) -> None:
+    with FakeEbb(version="3.0.2", future=future, queue=16) as device, AxiDraw(device.port, PEN) as robot:
+        robot.move(ABOVE)
+        path = robot.stroke(CIRCLE, SPEED)
+        robot.lift(0.005)
+        assert places_of([device.steps])[0] == pytest.approx(path[-1, :2])
+        assert (device.future, device.queue, device.refused) == (False, 1, [])
+
+
 def test_older_firmware_is_refused() -> None:
     with (
         FakeEbb(version="2.4.3") as device,
