@@ -118,9 +118,10 @@ class Grbl(KeepsOrigin, LetsGo, HasServo, OverridesSpeed):
 
     def _close(self) -> None:
         if self._line is not None:
-            if self._stopping.is_set() and not self._out_of_use:
-                with suppress(MachineError):
+            with suppress(MachineError):  # a line that is lost is closed all the same
+                if self._stopping.is_set() and not self._out_of_use:
                     self._stream.release()
+                self._stream.take_back_override()
             self._line.close()
             self._line = None
 

@@ -89,6 +89,11 @@ class GrblStream:
         if self.status(ready=False).state == "Hold:0":
             self._line.write(_GO_ON)
 
+    def take_back_override(self) -> None:
+        """Let it move as fast as commanded again, so that other programs find it so; waits for no answer."""
+        if self._overridden != 100:
+            self._line.write(_USUAL)
+
     def status(self, ready: bool = True) -> Status:
         """Ask for the status. ready: raise MachineError, which says what to do, where it is not ready to draw."""
         patience = Patience(self._patience)
