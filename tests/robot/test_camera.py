@@ -107,6 +107,19 @@ def test_a_folder_into_which_nothing_comes_or_only_half_a_picture_says_so(tmp_pa
     broken.join()
 
 
+def test_whoever_takes_the_picture_is_told_when_a_folder_waits_for_one(tmp_path: Path) -> None:
+    said: list[str] = []
+
+    def save(sentence: str) -> None:
+        said.append(sentence)
+        _picture(100).save(tmp_path / f"new-{len(said)}.png")
+
+    camera = open_camera(f"folder:{tmp_path}", save)
+    for _ in range(2):
+        camera.photograph()
+    assert said == [f"a new photograph of the sheet is waited for in {tmp_path}, for 120 s"] * 2
+
+
 def test_a_folder_that_is_taken_away_is_a_lost_camera(tmp_path: Path) -> None:
     folder = tmp_path / "shots"
     folder.mkdir()

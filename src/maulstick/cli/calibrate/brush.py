@@ -161,6 +161,9 @@ def _collect(sheet: Painting, out: Path, options: PaintOptions, place: "Easel | 
 
     console = Console(stderr=True, markup=False, highlight=False)
 
+    def tell(sentence: str) -> None:
+        console.print(f"note: {sentence}", soft_wrap=True)
+
     def look() -> "NDArray[np.float32]":
         with operator.interruptible():
             seen = eye.look()
@@ -178,7 +181,7 @@ def _collect(sheet: Painting, out: Path, options: PaintOptions, place: "Easel | 
     simulation = Simulation.of(options.machine, sheet, place, None) if options.simulated else None
     robot = machine(options.machine, place) if simulation is None else simulation.robot
     easel = place or robot.easel(sheet.sheet.width, sheet.sheet.height)
-    seeing = open_camera(options.camera or "") if simulation is None else simulation.camera(tags)
+    seeing = open_camera(options.camera or "", tell) if simulation is None else simulation.camera(tags)
     with machine_lock(options.machine), Journal.open(journal_of(path)) as journal, robot, seeing:
         begun = journal.revision is not None
         if not begun:
