@@ -74,6 +74,23 @@ def test_a_grbl_that_homes_by_itself_asks_nothing_and_stays(three: Path, monkeyp
         assert device.place[:2] == pytest.approx((30 - 100, 10 - 100), abs=DECIMALS), "over the end of its last stroke"
 
 
+def test_a_grbl_that_homes_by_itself_is_to_do_so_where_its_pen_stands_elsewhere_on_the_way(
+    three: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    homed: dict[str, Any] = {
+        "settings": SETTINGS | {22: 1},
+        "origin": (-100.0, -100.0, -20.0),
+        "start": (-1.0, -1.0, 0.0),
+    }
+    with FakeGrbl(pace=1000.0, **homed) as device:
+        robot = ("--robot", f"grbl:{device.port}")
+        assert paint(monkeypatch, "s\n", three, *robot, "--pause-at", "3").code == 130
+        ran = paint(monkeypatch, "\n\n", three, *robot, "--resume")
+        assert ran.code == 0, ran.stderr
+        assert f"{ASKED} 10 mm from the left" in ran.stderr
+        assert "(elsewhere: stop, home it with $H)" in " ".join(ran.stderr.split())
+
+
 def test_a_grbl_asks_as_well_and_once_for_all_copies(three: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     with FakeGrbl(pace=1000.0, start=(20.0, 10.0, 0.0)) as device:
         ran = paint(monkeypatch, "\n\n\n", three, "--robot", f"grbl:{device.port}", "--copies", "3")
