@@ -91,6 +91,18 @@ def test_a_homed_machine_has_its_travel_below_its_own_origin() -> None:
         assert device.place == pytest.approx((-230, -150, -25))
 
 
+@pytest.mark.parametrize(("options", "corner"), [("VZ", (-0.01, -0.01, -0.04)), ("V", (-0.31, -0.23, -0.04))])
+def test_a_machine_that_was_built_to_be_at_zero_at_its_switches_has_its_travel_above_those_it_homes_down_to(
+    options: str, corner: tuple[float, float, float]
+) -> None:
+    settings = {**SETTINGS, 22: 1, 23: 0b011}
+    with FakeGrbl(settings=settings, options=options, origin=(10.0, 10.0, -20.0)) as device:
+        robot = Grbl(device.port)
+        with robot.connected():
+            assert robot.limits.lower == pytest.approx(corner)
+            assert np.subtract(robot.limits.upper, robot.limits.lower) == pytest.approx((0.3, 0.22, 0.06))
+
+
 def test_the_users_limits_narrow_the_machines() -> None:
     narrow = Limits(
         lower=(0.01, 0.01, -1),

@@ -7,7 +7,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from maulstick.errors import InputError, MachineError, validation_fault
-from maulstick.robot.adapters.grbl_answers import own_limits, settings_of, work_origin
+from maulstick.robot.adapters.grbl_answers import is_zero_at_switches, own_limits, settings_of, work_origin
 from maulstick.robot.adapters.grbl_stream import HOLD, GrblStream
 from maulstick.robot.adapters.serial_line import SerialLine
 from maulstick.robot.easel import Easel, Pen
@@ -184,7 +184,8 @@ class Grbl(KeepsOrigin, LetsGo, HasServo, OverridesSpeed):
             raise MachineError(f"the Grbl on {self._port} did not tell where its work's origin lies; start again")
         try:
             self._check_modes(settings)
-            own = own_limits(settings, origin, self._pen)
+            at_switches = self._finds_home and is_zero_at_switches(self._stream.ask("$I"))
+            own = own_limits(settings, origin, self._pen, at_switches)
             self.limits = own if self._narrower is None else own.narrowed(self._narrower)
         except KeyError as error:
             raise MachineError(f"the Grbl on {self._port} did not tell its setting ${error}; start again") from error
