@@ -212,6 +212,15 @@ def test_other_words_do_not_go_on_with_a_folder(monkeypatch: pytest.MonkeyPatch)
         )
 
 
+def test_strokes_that_no_machine_has_begun_are_replaced_by_those_of_other_words() -> None:
+    ran = calibrate("--strokes", "6", "--robot", "grbl:/dev/absent", "--camera", "folder:.")
+    assert "cannot open the port /dev/absent" in ran.mistake
+    assert len(read_painting(Path("calibration/practice.json")).strokes) == 6
+    ran = calibrate()
+    assert ran.code == 0, ran.stderr
+    assert len(read_painting(Path("calibration/practice.json")).strokes) == 5
+
+
 def test_strokes_that_cannot_be_used_are_not_to_be_fitted_again_for_ever(monkeypatch: pytest.MonkeyPatch) -> None:
     def refuse(*_: object, **__: object) -> Fit:
         raise InputError("0 of 5 trials can be used, and 5 are needed: stroke 1 left no mark")

@@ -115,15 +115,19 @@ def brush(
 def _sheet(
     out: Path, size: tuple[float, float], like: Brush, style: str, strokes: int, easel: "Easel | None"
 ) -> Painting:
-    """Return the strokes to draw: those of an unfinished folder, or new ones, which are written there."""
+    """Return the strokes to draw: those of an unfinished folder, or new ones, which are written there.
+
+    Strokes of other options are replaced where no machine has begun them.
+    """
     path = out / "practice.json"
     if path.exists():
         begun = read_painting(path)
         there = (begun.sheet.width, begun.sheet.height), [*begun.brushes], begun.provenance.options.get("style")
-        if (*there, len(begun.strokes)) != (size, [like.name], style, strokes):
+        if (*there, len(begun.strokes)) == (size, [like.name], style, strokes):
+            return begun
+        if was_begun(journal_of(path)) or not begun.provenance.options.get("practice"):
             raise InputError(f"{out} was begun with other options; go on with the same ones, or choose another --out")
-        return begun
-    if out.exists() and (not out.is_dir() or any(out.iterdir())):
+    elif out.exists() and (not out.is_dir() or any(out.iterdir())):
         raise OutputError(f"{out} holds something else; choose another --out")
     from maulstick.jobs.paint.camera_loop import practice  # loads torch
     from maulstick.style import load_style
