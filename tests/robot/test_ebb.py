@@ -131,6 +131,21 @@ def test_it_lifts_its_pen_at_home_where_an_easel_leaves_that_out() -> None:
         assert places_of([device.steps])[0] == pytest.approx(ABOVE[:2])
 
 
+@pytest.mark.parametrize(("enabled", "divided"), [(False, 16), (True, 8)])
+def test_what_another_program_left_away_from_home_is_no_place(enabled: bool, divided: int) -> None:
+    with FakeEbb(version="2.8.1", steps=(8000, 0), enabled=enabled, divided=divided) as device:
+        with pytest.raises(MachineError, match="another program left the AxiDraw away from home, with motors that do"):
+            AxiDraw(device.port, PEN).__enter__()
+        assert (device.steps, device.down) == ((8000, 0), False)
+    with FakeEbb(version="2.8.1", enabled=enabled, divided=divided) as device:
+        robot = AxiDraw(device.port, PEN)
+        with robot:
+            robot.move(ABOVE)
+            assert (device.enabled, device.divided) == (True, 16)
+        with robot:
+            assert robot.place[:2] == pytest.approx(ABOVE[:2], abs=STEP_METRES)
+
+
 @pytest.fixture(scope="module")
 def session() -> Iterator[tuple[FakeEbb, AxiDraw]]:
     narrow = Limits(

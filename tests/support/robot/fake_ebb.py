@@ -54,6 +54,8 @@ class FakeEbb:
     supply: int = POWERED
     button: bool = False
     unread: bytes = b""
+    enabled: bool = False
+    divided: int = 16  # into how many each step is, where it is enabled
     future: bool = False  # whether it answers in the syntax that firmware 3 knows beside the old one
     queue: int = 1  # motions that wait beside the one that runs
 
@@ -65,7 +67,6 @@ class FakeEbb:
     clock: float = 0.0  # seconds since then
     down: bool = False
     stops: int = 0
-    enabled: bool = False
 
     def __enter__(self) -> Self:
         self._master, self._unplugged = -1, False
@@ -211,6 +212,13 @@ class FakeEbb:
     def _do_qc(self, _: list[int]) -> None:
         self._tell(f"0394,{self.supply:04d}")
 
+    def _do_qe(self, _: list[int]) -> str | None:
+        if not self._has((2, 8, 0)):
+            return unknown("QE")
+        state = self.divided if self.enabled else 0
+        self._tell(f"{state},{state}")
+        return None
+
     def _do_qb(self, _: list[int]) -> None:
         self._tell(str(int(self.button)))
         self.button = False
@@ -220,6 +228,7 @@ class FakeEbb:
         if not (0 <= first <= 5 and 0 <= second <= 5):
             return wrong_value()
         self.enabled = first > 0 and second > 0
+        self.divided = 16 >> (first - 1) if first > 0 else self.divided
         if self._has((2, 6, 2)):
             self._do_cs([])
         return None

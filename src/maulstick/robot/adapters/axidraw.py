@@ -23,6 +23,10 @@ _SHORTEST = 0.005  # seconds: slices that are shorter come faster than the board
 _MILLISECONDS = 1000  # per second
 _SERVO = 6000, 30000  # units of 1/12 microsecond: 0.5 to 2.5 ms, the pulses that servos understand
 _UNPOWERED = "the AxiDraw's motors have no power; plug its supply in, and push its pen to the home corner"
+_ANOTHERS = (
+    "another program left the AxiDraw away from home, with motors that do not hold or make other steps; unplug power "
+    "and USB, push its pen to the home corner, and plug both in"
+)
 _USUAL_PEN = Pen(up=20641, down=15248, seconds=0.3)  # 60 % and 30 % of the range of the V3's servo
 V3: Final = Limits(
     lower=(0, -0.218, -0.1),
@@ -108,6 +112,8 @@ class AxiDraw(LetsGo, HasServo):
         self._check_power(None)
         if self._board.position() == (0, 0):  # a board that has counted steps still holds its motors, and its place
             self._board.enable()
+        elif not self._board.holds():
+            raise MachineError(_ANOTHERS)
         self._board.pressed()  # what was pressed before does not count
         place = self._where(0.0)
         try:
