@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from maulstick.errors import InputError, MachineError
 from maulstick.robot.adapters.grbl import Grbl
 from maulstick.robot.adapters.grbl_answers import ALARMS, ERRORS, Status
+from maulstick.robot.adapters.serial_line import SerialLine
 from maulstick.robot.easel import Pen
 from maulstick.robot.limits import Limits
 from maulstick.robot.robot import StoppedError
@@ -394,6 +395,18 @@ def test_another_grbl_is_refused_by_its_name(kind: str) -> None:
     sentence = rf"is a {re.escape(kind)}; it must be a Grbl 1\.1, or be given a file"
     with FakeGrbl(banner=f"{kind} ['$' for help]") as device, pytest.raises(MachineError, match=sentence):
         entered(Grbl(device.port))
+
+
+def test_a_machine_that_a_killed_run_left_moving_is_stopped_and_keeps_its_place() -> None:
+    with FakeGrbl(pace=1) as device:
+        line = SerialLine(device.port, 115200)
+        line.write(b"G1 X100 F600\n")
+        while device.place[0] < 1:
+            time.sleep(0.01)
+        line.close()
+        with Grbl(device.port) as robot:
+            assert 1 < device.place[0] < 100
+            assert robot.place[:2] == pytest.approx([1e-3 * device.place[0], 0], abs=GCODE_METRES)
 
 
 def test_a_port_where_nothing_answers_is_named() -> None:

@@ -112,6 +112,7 @@ class Grbl(KeepsOrigin, LetsGo, HasServo, OverridesSpeed):
     def _connect(self) -> None:
         self._line = SerialLine(self._port, self._baud)
         self._stream = GrblStream(self._line, self._patience, self._stopping)
+        self._stream.end_motion()
         self._stream.reset()
         self._stream.status()
         self._take_settings()

@@ -28,6 +28,7 @@ _BETWEEN_RESETS = 1.0  # seconds; a board that restarts when its port is opened 
 _DEAF = 1.0  # seconds without a report: after the alarm of a limit, Grbl hears nothing but a reset
 _QUIET = 0.1  # seconds in which a board that took both resets greets a second time
 _HALTED = ("Hold:0", "Idle", "Alarm", "Sleep", "Door:0", "Door:1")  # states at rest
+_MOVING = ("Run", "Jog")
 _UNABLE = {
     "Door": "its safety door is open; close it",
     "Check": "it only checks G-code; send $C, then start again",
@@ -81,6 +82,11 @@ class GrblStream:
                 if status.state in _HALTED:
                     return
                 deaf.renew()
+
+    def end_motion(self) -> None:
+        """Brake where a run that was killed has left it moving, since a reset would lose its place."""
+        if (status := self._report()) is not None and status.state in _MOVING:
+            self.hold()
 
     def release(self) -> None:
         """End a hold in which it stands still and has nothing left to do, so that other programs find it idle."""
