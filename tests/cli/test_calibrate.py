@@ -337,6 +337,23 @@ def test_corners_that_do_not_fit_the_sheet_are_asked_for_again_until_they_do(ter
     assert read_easel("easel.json").corner == pytest.approx((0, 0, 0), abs=1e-9)
 
 
+def test_a_corner_where_nothing_is_felt_is_asked_for_again(terminal: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    class BesideTheSheet(Feeling):
+        def force(self) -> float:
+            return super().force() if self.at[0] > 0.295 else 0.0
+
+    arm = BesideTheSheet(0.02)
+    monkeypatch.setattr(import_module("maulstick.cli.calibrate.touch"), "machine", lambda spec, easel: arm)
+    first = [jogs("1", (1, LEFT), (7, LOWER)), jogs("1", (1, RIGHT))]
+    corners = [*first, *(jogs("1", way, (2, LOWER)) for way in ((10, RIGHT), (6, DOWN), (10, LEFT)))]
+    os.write(terminal, "\r".join([*corners, jogs("1", (3, LOWER)) + jogs("2", (2, LOWER)), ""]).encode())
+    ran = touch("--force")
+    assert ran.code == 0, ran.stderr
+    assert ran.stderr.count("nothing was felt down to 0 mm; is the sheet there") == 1
+    assert ran.stderr.count("take the tip above the upper left corner of the sheet, and press Enter") == 2
+    assert read_easel("easel.json").corner == pytest.approx((0.3, 0.0, 0.02), abs=2.5e-4)
+
+
 def test_an_arm_that_feels_goes_down_by_itself(terminal: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """Its paper lies 20 mm high, and it starts at (300, 0, 100) mm."""
     arm = Feeling(0.02)
