@@ -25,7 +25,7 @@ _WIDEST = 10_000
 """Width and height in pixels that a driver is asked for; it takes the largest that it has."""
 
 _POLL = 0.1  # seconds between two looks into a folder; a file of the same size twice is complete
-_ENDINGS = (".jpg", ".jpeg", ".png", ".tif", ".tiff", ".webp", ".bmp")  # of files that count as pictures
+_ENDINGS = (".jpg", ".jpeg", ".png", ".heic", ".heif", ".tif", ".tiff", ".webp", ".bmp")  # of pictures
 
 
 class CameraError(MachineError):
