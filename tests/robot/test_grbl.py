@@ -196,7 +196,7 @@ FAULTS = {
     "noise": r"there is noise on the line to /dev/\S+ \('.*'\); check cable and ground; " + GO_ON,
     "lost": r"the line to /dev/\S+ went silent; check cable and power; " + GO_ON,
     "door": r"cannot draw: its safety door is open; close it",
-    "Grbl 1.1h ['$' for help]": r"started again by itself; check its power, and home it with \$H",
+    "Grbl 1.1h ['$' for help]": r"started again by itself; check its power, and home it with \$H before .*\$22=0",
 }
 
 

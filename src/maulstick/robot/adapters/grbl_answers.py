@@ -58,16 +58,19 @@ ERRORS: Final = {
     38: "the number of a tool is too large",
 }
 
-_HOME = "home it with $H before it draws again, or without homing ($22=0) switch it off and on with its pen at home"
+HOME: Final = (
+    "home it with $H before it draws again, or without homing ($22=0) switch it off and on with its pen at home"
+)
+"""What helps a Grbl that has lost its place."""
 
 ALARMS: Final = {
-    1: f"a limit switch was hit and its position is lost; {_HOME}",
+    1: f"a limit switch was hit and its position is lost; {HOME}",
     2: "a motion would leave its travel; unlock it with $X and check where its work origin lies",
-    3: f"it was reset while it moved and its position is lost; {_HOME}",
+    3: f"it was reset while it moved and its position is lost; {HOME}",
     4: "the probe was not in its first state",
     5: "the probe touched nothing",
-    6: f"homing was interrupted by a reset; {_HOME}",
-    7: f"the safety door was opened while homing; close it and {_HOME}",
+    6: f"homing was interrupted by a reset; {HOME}",
+    7: f"the safety door was opened while homing; close it and {HOME}",
     8: "homing could not leave a limit switch; check its wiring, or set a longer pull-off $27",
     9: "homing did not find a limit switch; check its wiring, or set the travels $130 to $132",
 }

@@ -9,7 +9,7 @@ import time
 from typing import Final, final
 
 from maulstick.errors import MachineError, Remedy
-from maulstick.robot.adapters.grbl_answers import ALARMS, ERRORS, Status
+from maulstick.robot.adapters.grbl_answers import ALARMS, ERRORS, HOME, Status
 from maulstick.robot.adapters.serial_line import Patience, SerialLine
 from maulstick.robot.robot import StoppedError
 from maulstick.robot.stopping import Stopping
@@ -193,7 +193,7 @@ class GrblStream:
             said = ALARMS.get(int(found[1]), f"it does not say why; {_UNABLE['Alarm']}")
             return MachineError(f"the Grbl on {port} raised alarm {found[1]}: {said}")
         if text.startswith("Grbl "):
-            return MachineError(f"the Grbl on {port} started again by itself; check its power, and home it with $H")
+            return MachineError(f"the Grbl on {port} started again by itself; check its power, and {HOME}")
         shown = text if len(text) <= 40 else text[:37] + "..."
         return MachineError(
             f"there is noise on the line to {port} ({shown!r}); check cable and ground",
