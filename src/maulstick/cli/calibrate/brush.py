@@ -21,6 +21,7 @@ from maulstick.painting.raster import Canvas, flat_canvas, parse_size
 from maulstick.robot.easel import read_easel
 from maulstick.robot.journal import Journal, journal_of, was_begun
 from maulstick.robot.machines import SPECS, kind_of, machine
+from maulstick.robot.plotter import only_lifts_pen
 from maulstick.robot.workplace import Workplace, home_of
 from maulstick.storage.folders import all_or_nothing
 
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
     from maulstick.robot.easel import Easel
 
 _FEWEST, _MOST = 5, 1000  # strokes: too few for a fit, and hours of drawing
+_HELD = 0.5  # pressure that stands for the one of a pen that is only lifted
 _PHOTOGRAPHS = ("each", "one")  # one after each stroke, or one of the whole sheet
 
 _fitting = partial(typer.Option, rich_help_panel="The brush and its strokes")
@@ -103,7 +105,10 @@ def brush(
     elif camera is None:
         raise InputError("a camera over the sheet is needed; name it with --camera usb:0, or folder:PATH")
     place = read_easel(easel) if easel is not None else None
-    sheet = _sheet(out, parse_size(size), load_brush(like), style, strokes, place)
+    model = load_brush(like)
+    if not options.simulated and model.pressure_matters and only_lifts_pen(machine(options.machine, place)):
+        model = model.held_at(_HELD).model_copy(update={"depth": (0.0, 0.0)})  # how deep it is pressed is not known
+    sheet = _sheet(out, parse_size(size), model, style, strokes, place)
     _check_machine(out, options.machine)
     _collect(sheet, out, options, place, each=photographs == "each")
     try:
