@@ -277,6 +277,12 @@ def test_keys_take_the_tip_to_the_corners_and_the_easel_is_where_it_was(terminal
     assert "as deep as the deepest stroke may be" in asked[4]
 
 
+def test_the_machines_that_are_listed_have_a_tip_to_take_to_the_corners() -> None:
+    said = run("calibrate", "touch", "--help").stdout
+    assert "axidraw" in said
+    assert "sim" not in said
+
+
 def test_a_machine_that_only_lifts_is_not_pressed(terminal: int, arm: Recorder) -> None:
     arm.limits = Limits.model_validate({**LIMITS.model_dump(), "varies_pressure": False})
     os.write(terminal, "".join(CORNERS).encode())

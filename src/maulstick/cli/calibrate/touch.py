@@ -16,7 +16,7 @@ from maulstick.errors import InputError
 from maulstick.jobs.paint.machine_lock import machine_lock
 from maulstick.painting.raster import parse_size
 from maulstick.robot.easel import write_easel
-from maulstick.robot.machines import SPECS, machine
+from maulstick.robot.machines import REAL_SPECS, machine
 from maulstick.storage.folders import made_folder
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ _LIFT = 0.02  # metres above the sheet from corner to corner, clear of clips and
 
 
 def touch(
-    robot: Annotated[str, typer.Option(metavar="MACHINE", help=f"The machine: {SPECS}.")],
+    robot: Annotated[str, typer.Option(metavar="MACHINE", help=f"The machine: {REAL_SPECS}.")],
     size: Annotated[str, typer.Option(metavar="SIZE", help="Size of the sheet: 200x160mm, A4-landscape.")],
     force: Annotated[
         bool, typer.Option("--force", metavar="", help="Lower the tip until the machine feels the paper.")
