@@ -277,6 +277,12 @@ def test_keys_take_the_tip_to_the_corners_and_the_easel_is_where_it_was(terminal
     assert "as deep as the deepest stroke may be" in asked[4]
 
 
+def test_the_machines_that_are_listed_have_a_tip_to_take_to_the_corners() -> None:
+    said = run("calibrate", "touch", "--help").stdout
+    assert "axidraw" in said
+    assert "sim" not in said
+
+
 def test_a_machine_that_only_lifts_is_not_pressed(terminal: int, arm: Recorder) -> None:
     arm.limits = Limits.model_validate({**LIMITS.model_dump(), "varies_pressure": False})
     os.write(terminal, "".join(CORNERS).encode())
@@ -335,6 +341,23 @@ def test_corners_that_do_not_fit_the_sheet_are_asked_for_again_until_they_do(ter
     assert ran.stderr.count("the touched points lie ") == 2
     assert ran.stderr.count("corner of the sheet until it just touches, and press Enter") == 6
     assert read_easel("easel.json").corner == pytest.approx((0, 0, 0), abs=1e-9)
+
+
+def test_a_corner_where_nothing_is_felt_is_asked_for_again(terminal: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    class BesideTheSheet(Feeling):
+        def force(self) -> float:
+            return super().force() if self.at[0] > 0.295 else 0.0
+
+    arm = BesideTheSheet(0.02)
+    monkeypatch.setattr(import_module("maulstick.cli.calibrate.touch"), "machine", lambda spec, easel: arm)
+    first = [jogs("1", (1, LEFT), (7, LOWER)), jogs("1", (1, RIGHT))]
+    corners = [*first, *(jogs("1", way, (2, LOWER)) for way in ((10, RIGHT), (6, DOWN), (10, LEFT)))]
+    os.write(terminal, "\r".join([*corners, jogs("1", (3, LOWER)) + jogs("2", (2, LOWER)), ""]).encode())
+    ran = touch("--force")
+    assert ran.code == 0, ran.stderr
+    assert ran.stderr.count("nothing was felt down to 0 mm; is the sheet there") == 1
+    assert ran.stderr.count("take the tip above the upper left corner of the sheet, and press Enter") == 2
+    assert read_easel("easel.json").corner == pytest.approx((0.3, 0.0, 0.02), abs=2.5e-4)
 
 
 def test_an_arm_that_feels_goes_down_by_itself(terminal: int, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -16,7 +16,10 @@ from maulstick.errors import InputError, OutputError
 from maulstick.jobs.paint.simulation import Simulation
 from maulstick.painting.brush import load_brush
 from maulstick.painting.painting_file import read_painting
+from maulstick.robot.easel import Easel, Pen
 from maulstick.robot.journal import Journal
+from maulstick.robot.limits import Limits
+from maulstick.robot.routine import routine
 from tests.cli.conftest import Ran, run
 from tests.plots.test_brush_fit_plot import a_fit
 from tests.support.cli.webcam import after, put_webcam, unplug
@@ -210,6 +213,34 @@ def test_other_words_do_not_go_on_with_a_folder(monkeypatch: pytest.MonkeyPatch)
         assert ran.mistake == (
             "calibration was begun with other options; go on with the same ones, or choose another --out"
         )
+
+
+@pytest.mark.parametrize(
+    ("robot", "servo", "varies"), [("axidraw", False, False), ("grbl", True, False), ("grbl", False, True)]
+)
+def test_a_machine_that_only_lifts_its_pen_is_given_strokes_that_it_can_draw(
+    here: Path, robot: str, servo: bool, varies: bool
+) -> None:
+    easel = Easel(corner=(0, 0.08, 0), right=(1, 0, 0), down=(0, -1, 0), pen=Pen(up=9000, down=8000) if servo else None)
+    (here / "easel.json").write_text(easel.model_dump_json())
+    ran = calibrate("--robot", f"{robot}:/dev/absent", "--camera", "folder:.", "--easel", "easel.json")
+    assert "cannot open the port /dev/absent" in ran.mistake
+    sheet = read_painting(Path("calibration/practice.json"))
+    (drawn,) = sheet.brushes.values()
+    assert (drawn.name, drawn.pressure_matters) == ("marker", varies)
+    assert (np.ptp(sheet.trajectories()[..., 2]) > 0.5) == varies
+    if not varies:
+        limits = Limits(lower=(0, 0, 0), upper=(1, 1, 1), speed=1, climb=1, acceleration=1, varies_pressure=False)
+        assert len(routine(sheet, easel, limits)) == 5
+
+
+def test_strokes_that_no_machine_has_begun_are_replaced_by_those_of_other_words() -> None:
+    ran = calibrate("--strokes", "6", "--robot", "grbl:/dev/absent", "--camera", "folder:.")
+    assert "cannot open the port /dev/absent" in ran.mistake
+    assert len(read_painting(Path("calibration/practice.json")).strokes) == 6
+    ran = calibrate()
+    assert ran.code == 0, ran.stderr
+    assert len(read_painting(Path("calibration/practice.json")).strokes) == 5
 
 
 def test_strokes_that_cannot_be_used_are_not_to_be_fitted_again_for_ever(monkeypatch: pytest.MonkeyPatch) -> None:

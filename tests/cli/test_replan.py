@@ -221,6 +221,17 @@ def test_a_painting_of_no_picture_is_not_planned_again() -> None:
     assert replan().mistake == ("the painting was not planned from a picture, so it cannot be planned again on the way")
 
 
+@pytest.mark.parametrize("what", ["regions", "guides"])
+def test_what_a_person_said_of_places_is_not_planned_over(what: str) -> None:
+    made = read_painting("painting.json").provenance
+    made = made.model_copy(update={"options": {**made.options, what: "map.png"}})
+    write_painting(planned().model_copy(update={"provenance": made}), Path("painting.json"))
+    ran = replan()
+    assert ran.code == 2
+    assert ran.mistake.startswith(f"it was planned with {what}, which planning again on the way does not know; do not")
+    assert not Path("painting.log.jsonl").exists()
+
+
 def test_strokes_of_no_style_are_refused_before_anything_begins() -> None:
     made = planned().provenance.model_copy(
         update={"image": "picture.png", "image_sha256": file_sum(Path("picture.png"))}

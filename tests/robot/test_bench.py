@@ -10,7 +10,7 @@ from maulstick.errors import InputError
 from maulstick.robot.adapters.axidraw import AxiDraw
 from maulstick.robot.adapters.grbl import Grbl
 from maulstick.robot.bench import SQUARE, Bench
-from maulstick.robot.easel import Pen
+from maulstick.robot.easel import Easel, Pen
 from maulstick.robot.limits import SLACK, Limits
 from tests.support.robot.fake_ebb import FakeEbb
 from tests.support.robot.fake_grbl import SETTINGS, FakeGrbl
@@ -66,6 +66,17 @@ def test_the_outline_goes_around_the_sheet_with_the_pen_lifted_and_comes_back() 
         for corner in [(0, 0), (0.06, 0), (0.06, -0.04), (0, -0.04)]:
             assert np.abs(path[:, :2] - corner).max(axis=1).min() < SLACK
         assert path[:, 2].min() >= EASEL.travel - SLACK
+
+
+def test_a_pen_at_home_beside_the_limits_of_its_easel_goes_into_them_and_around_the_sheet() -> None:
+    narrow = Limits(
+        lower=(0.01, -0.2, -0.1), upper=(0.2, -0.01, 0.1), speed=1, climb=1, acceleration=5, varies_pressure=True
+    )
+    easel = Easel(corner=(0.02, -0.03, 0), right=(1, 0, 0), down=(0, -1, 0), limits=narrow, pen=PULSES)
+    for what, end in {"go_home": (0.02, -0.03), "outline": (0.01, -0.01)}.items():
+        with FakeEbb() as device, AxiDraw(device.port, PULSES, narrow) as robot:
+            getattr(Bench(robot, easel, SIZE), what)()
+            assert robot.place[:2] == pytest.approx(end)
 
 
 def test_an_outline_that_does_not_fit_moves_nothing() -> None:

@@ -1,3 +1,4 @@
+import shutil
 import threading
 import time
 from pathlib import Path
@@ -8,6 +9,7 @@ import pytest
 from PIL import Image
 
 from maulstick.errors import InputError
+from maulstick.painting.picture import read_picture
 from maulstick.robot.camera.camera import CameraError, UsbCamera, WatchedFolder, open_camera
 
 
@@ -105,6 +107,28 @@ def test_a_folder_into_which_nothing_comes_or_only_half_a_picture_says_so(tmp_pa
     with pytest.raises(CameraError, match=r"within 1 s; .*new\.jpg"):
         WatchedFolder(tmp_path, patience=1.0).photograph()
     broken.join()
+
+
+def test_a_telephone_may_send_its_own_kind_of_picture_into_the_folder(tmp_path: Path) -> None:
+    taken = Path(__file__).parent.parent / "painting" / "pictures" / "telephone.heic"
+
+    def send(_: str) -> None:
+        shutil.copy(taken, tmp_path / "IMG_0001.HEIC")
+
+    np.testing.assert_array_equal(open_camera(f"folder:{tmp_path}", send).photograph(), read_picture(taken))
+
+
+def test_whoever_takes_the_picture_is_told_when_a_folder_waits_for_one(tmp_path: Path) -> None:
+    said: list[str] = []
+
+    def save(sentence: str) -> None:
+        said.append(sentence)
+        _picture(100).save(tmp_path / f"new-{len(said)}.png")
+
+    camera = open_camera(f"folder:{tmp_path}", save)
+    for _ in range(2):
+        camera.photograph()
+    assert said == [f"a new photograph of the sheet is waited for in {tmp_path}, for 120 s"] * 2
 
 
 def test_a_folder_that_is_taken_away_is_a_lost_camera(tmp_path: Path) -> None:

@@ -109,6 +109,43 @@ def test_a_pen_that_is_not_where_it_may_be_is_not_moved() -> None:
         assert device.steps == (-4000, -4000)
 
 
+@pytest.mark.parametrize("steps", [(8000, 8001), (8001, -8000), (-1, 0), (0, 1)])
+def test_a_stop_between_the_steps_of_its_motors_along_an_edge_leaves_the_pen_on_the_edge(
+    steps: tuple[int, int],
+) -> None:
+    with FakeEbb(steps=steps) as device, AxiDraw(device.port, PEN) as robot:
+        robot.limits.check_path(robot.place[None])
+        assert robot.place[:2] == pytest.approx(places_of([steps])[0], abs=STEP_METRES)
+        robot.limits.check_path(robot.lift(0.005)[None])
+        robot.move(np.zeros(3))
+        assert device.steps == (0, 0)
+
+
+def test_it_lifts_its_pen_at_home_where_an_easel_leaves_that_out() -> None:
+    narrow = Limits(
+        lower=(0.01, -0.2, -0.1), upper=(0.2, -0.01, 0.1), speed=1, climb=1, acceleration=5, varies_pressure=True
+    )
+    with FakeEbb() as device, AxiDraw(device.port, PEN, narrow) as robot:
+        assert robot.lift(0.005).tolist() == [0, 0, 0.005]
+        robot.move(ABOVE)
+        assert places_of([device.steps])[0] == pytest.approx(ABOVE[:2])
+
+
+@pytest.mark.parametrize(("enabled", "divided"), [(False, 16), (True, 8)])
+def test_what_another_program_left_away_from_home_is_no_place(enabled: bool, divided: int) -> None:
+    with FakeEbb(version="2.8.1", steps=(8000, 0), enabled=enabled, divided=divided) as device:
+        with pytest.raises(MachineError, match="another program left the AxiDraw away from home, with motors that do"):
+            AxiDraw(device.port, PEN).__enter__()
+        assert (device.steps, device.down) == ((8000, 0), False)
+    with FakeEbb(version="2.8.1", enabled=enabled, divided=divided) as device:
+        robot = AxiDraw(device.port, PEN)
+        with robot:
+            robot.move(ABOVE)
+            assert (device.enabled, device.divided) == (True, 16)
+        with robot:
+            assert robot.place[:2] == pytest.approx(ABOVE[:2], abs=STEP_METRES)
+
+
 @pytest.fixture(scope="module")
 def session() -> Iterator[tuple[FakeEbb, AxiDraw]]:
     narrow = Limits(
@@ -282,6 +319,16 @@ def test_a_stop_from_another_thread_halts_a_stroke_and_lifts_the_pen() -> None:
         assert device.seconds < 1.2
         with robot:
             assert robot.place[:2] == pytest.approx(at)
+
+
+@pytest.mark.parametrize("future", [True, False])
+def test_a_board_that_another_program_left_in_its_new_syntax_is_driven_as_ever(future: bool) -> None:
+    with FakeEbb(version="3.0.2", future=future, queue=16) as device, AxiDraw(device.port, PEN) as robot:
+        robot.move(ABOVE)
+        path = robot.stroke(CIRCLE, SPEED)
+        robot.lift(0.005)
+        assert places_of([device.steps])[0] == pytest.approx(path[-1, :2])
+        assert (device.future, device.queue, device.refused) == (False, 1, [])
 
 
 def test_older_firmware_is_refused() -> None:

@@ -1,4 +1,5 @@
 import os
+import re
 import termios
 import time
 from collections.abc import Iterator
@@ -11,6 +12,7 @@ from hypothesis import strategies as st
 from maulstick.errors import InputError, MachineError
 from maulstick.robot.adapters.grbl import Grbl
 from maulstick.robot.adapters.grbl_answers import ALARMS, ERRORS, Status
+from maulstick.robot.adapters.serial_line import SerialLine
 from maulstick.robot.easel import Pen
 from maulstick.robot.limits import Limits
 from maulstick.robot.robot import StoppedError
@@ -88,6 +90,18 @@ def test_a_homed_machine_has_its_travel_below_its_own_origin() -> None:
         assert robot.place == pytest.approx((0, 0, 0.01))
         robot.move(ABOVE)
         assert device.place == pytest.approx((-230, -150, -25))
+
+
+@pytest.mark.parametrize(("options", "corner"), [("VZ", (-0.01, -0.01, -0.04)), ("V", (-0.31, -0.23, -0.04))])
+def test_a_machine_that_was_built_to_be_at_zero_at_its_switches_has_its_travel_above_those_it_homes_down_to(
+    options: str, corner: tuple[float, float, float]
+) -> None:
+    settings = {**SETTINGS, 22: 1, 23: 0b011}
+    with FakeGrbl(settings=settings, options=options, origin=(10.0, 10.0, -20.0)) as device:
+        robot = Grbl(device.port)
+        with robot.connected():
+            assert robot.limits.lower == pytest.approx(corner)
+            assert np.subtract(robot.limits.upper, robot.limits.lower) == pytest.approx((0.3, 0.22, 0.06))
 
 
 def test_the_users_limits_narrow_the_machines() -> None:
@@ -182,7 +196,7 @@ FAULTS = {
     "noise": r"there is noise on the line to /dev/\S+ \('.*'\); check cable and ground; " + GO_ON,
     "lost": r"the line to /dev/\S+ went silent; check cable and power; " + GO_ON,
     "door": r"cannot draw: its safety door is open; close it",
-    "Grbl 1.1h ['$' for help]": r"started again by itself; check its power, and home it with \$H",
+    "Grbl 1.1h ['$' for help]": r"started again by itself; check its power, and home it with \$H before .*\$22=0",
 }
 
 
@@ -376,10 +390,23 @@ def test_a_machine_without_travel_has_no_limits() -> None:
         entered(Grbl(device.port))
 
 
-def test_an_older_grbl_is_refused() -> None:
-    sentence = r"is a Grbl 0\.9j; it must be a Grbl 1\.1"
-    with FakeGrbl(banner="Grbl 0.9j ['$' for help]") as device, pytest.raises(MachineError, match=sentence):
+@pytest.mark.parametrize("kind", ["Grbl 0.9j", "Grbl 3.7", "GrblHAL 1.1f"])
+def test_another_grbl_is_refused_by_its_name(kind: str) -> None:
+    sentence = rf"is a {re.escape(kind)}; it must be a Grbl 1\.1, or be given a file"
+    with FakeGrbl(banner=f"{kind} ['$' for help]") as device, pytest.raises(MachineError, match=sentence):
         entered(Grbl(device.port))
+
+
+def test_a_machine_that_a_killed_run_left_moving_is_stopped_and_keeps_its_place() -> None:
+    with FakeGrbl(pace=1) as device:
+        line = SerialLine(device.port, 115200)
+        line.write(b"G1 X100 F600\n")
+        while device.place[0] < 1:
+            time.sleep(0.01)
+        line.close()
+        with Grbl(device.port) as robot:
+            assert 1 < device.place[0] < 100
+            assert robot.place[:2] == pytest.approx([1e-3 * device.place[0], 0], abs=GCODE_METRES)
 
 
 def test_a_port_where_nothing_answers_is_named() -> None:
@@ -400,6 +427,18 @@ def test_a_baud_rate_comes_after_an_at_sign() -> None:
         assert robot.place[2] > 0
     with pytest.raises(InputError, match=r"the baud rate of a Grbl is 'fast'; it must be a whole number"):
         Grbl("/dev/ttyUSB0@fast")
+    with FakeGrbl() as device, pytest.raises(InputError, match=r"the baud rate is 99999999999; it must be one that"):
+        entered(Grbl(f"{device.port}@99999999999"))
+
+
+@pytest.mark.parametrize("pen", [None, SERVO])
+def test_a_tip_that_was_put_beside_its_limits_is_lifted_there_and_moves_into_them(pen: Pen | None) -> None:
+    with FakeGrbl(start=(-3, 0, 0)) as device, Grbl(device.port, pen) as robot:
+        assert robot.lift(0.02) == pytest.approx([-0.003, 0, 0.02])
+        with pytest.raises(InputError, match="the machine's z is 100 mm"):
+            robot.lift(0.1)
+        robot.move(np.array([0, 0, 0.02]))
+        assert device.place == pytest.approx((0, 0, 20 if pen is None else 0))
 
 
 def test_every_code_of_grbl_1_1_has_its_words() -> None:

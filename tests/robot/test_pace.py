@@ -103,6 +103,17 @@ def test_a_step_that_a_grbl_missed_is_made_again() -> None:
         until(80, device, robot)
 
 
+def test_a_grbl_that_is_left_moves_as_fast_as_commanded_again() -> None:
+    with FakeGrbl(pace=20.0) as device:
+        with Grbl(device.port) as robot:
+            Pace(robot).change(2)
+            until(120, device, robot)
+        patience = time.monotonic() + 60
+        while device.override != 100:
+            assert time.monotonic() < patience, device.overrides
+            time.sleep(0.01)
+
+
 def test_a_grbl_with_narrower_limits_draws_no_faster_than_they_say() -> None:
     with FakeGrbl() as device:
         narrow = Limits.model_validate({**LIMITS.model_dump(), "lower": (0, 0, -0.01), "speed": 0.01})

@@ -27,6 +27,10 @@ _PROBE = 2e-4  # metres per step of probing
 _READINGS, _PERIOD = 10, 2e-3  # readings of which a force is the median, and seconds between two
 
 
+class NothingFeltError(MachineError):
+    """Error that says that a tip was lowered as far as it may, and felt nothing; it is lifted, and can be moved on."""
+
+
 def easel_from_touches(touched: Floats, places: Floats, deepest: float = 0.0, travel: float = 5e-3) -> Easel:
     """Fit the easel on which places (k, 2) of the sheet lie nearest to the machine's places (k, 3) that touched them.
 
@@ -89,7 +93,7 @@ def probe_by_force(robot: FeelsForce, above: Floats, lowest: float, threshold: f
     """Lower the tip from `above` (3,) until it touches something; returns that place (3,), metres, with the tip lifted.
 
     lowest: z below which it does not go.  threshold: change of force, newtons, that counts as touch.
-    Raises InputError where `lowest` is outside the machine's limits, and MachineError where nothing is there.
+    Raises InputError where `lowest` is outside the machine's limits, and NothingFeltError where nothing is there.
     """
     above = np.asarray(above, dtype=np.float64)
     robot.limits.check_path(np.array([above, [*above[:2], lowest]]))
@@ -101,7 +105,7 @@ def probe_by_force(robot: FeelsForce, above: Floats, lowest: float, threshold: f
             robot.move(above)
             return place
     robot.move(above)
-    raise MachineError(
+    raise NothingFeltError(
         f"nothing was felt down to {1e3 * lowest:g} mm; is the sheet there, and is the pen stiff enough for "
         f"{threshold:g} N? Jog by hand otherwise"
     )

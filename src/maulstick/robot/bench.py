@@ -69,12 +69,12 @@ class Bench:
         self._go(self._home)
 
     def outline(self) -> None:
-        """Go around the sheet with the pen lifted, and return to where it began."""
+        """Go around the sheet with the pen lifted, and return to where it began, as near as the limits let it."""
         if self.size is None:
             raise InputError(f"the sheet's size is not known; name it with {option('size')}")
         width, height = self.size
         corners = np.array([(0, 0, 0), (width, 0, 0), (width, height, 0), (0, height, 0), (0, 0, 0)])
-        start = self.robot.place
+        start = self.robot.place.clip(self.robot.limits.lower, self.robot.limits.upper)
         places = np.array([self._above(place) for place in self.easel.canvas_to_machine(corners)])
         self.robot.limits.check_path(places)
         self._go(places[0])
@@ -154,7 +154,11 @@ class Bench:
         here, there = self._above(self.robot.place), self._above(place)
         highest = max(here[2], there[2], self.robot.clear)
         path = np.array([[*here[:2], highest], [*there[:2], highest], there])
+        beside = not self.robot.limits.holds(self.robot.place[None])  # put there, or at home beside narrower limits
+        path = path[1:] if beside else path
         self.robot.limits.check_path(path)
+        if beside:
+            self.robot.lift(highest)
         for point in path:
             self.robot.move(point)
 

@@ -69,6 +69,10 @@ class Limits(BaseModel):
                 allowed = f"{1e3 * low:g} to {1e3 * high:g} mm: {1e3 * beyond:.4g} mm less far"
                 raise InputError.of_range(f"the machine's {name}", f"{1e3 * came:.6g} mm", allowed)
 
+    def check_height(self, height: float) -> None:
+        """Raise InputError as `check_path` where a height, metres, lies outside the workspace, whatever x and y are."""
+        self.check_path(np.array([[*self.lower[:2], height]]))
+
     def check_speed(self, speed: Floats) -> None:
         """Raise InputError where a speed (n,), metres per second, is not above 0 and at most the machine's."""
         speed = np.asarray(speed, dtype=np.float64)

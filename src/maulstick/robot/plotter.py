@@ -50,6 +50,11 @@ class HasServo(Robot):
         """
 
 
+def only_lifts_pen(robot: Robot) -> bool:
+    """Return whether a machine only lifts its pen, as far as that is known before it is connected."""
+    return not robot.limits.varies_pressure or (isinstance(robot, HasServo) and robot.pen is not None)
+
+
 class OverridesSpeed(Robot):
     """Machine that can change the speed of all motions at once, also of the one that it makes."""
 

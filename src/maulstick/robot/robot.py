@@ -31,10 +31,11 @@ class Robot(ABC):
 
     Lengths are metres in the machine's own frame, right-handed, z up. Calls return the places that were really
     commanded, which steps or decimals may have rounded. No command outside the workspace or beyond the speed of the
-    `limits` is ever sent: a call that would need one raises InputError, and nothing moves. An arm's reach is computed,
-    so it is checked before a plan begins, by `check_room`, and not here: no lift may fail by it. All calls raise
-    MachineError where the machine fails. After that, and after `stop`, they raise StoppedError until the machine is
-    entered again. `stop` may be called from any thread or signal handler, all else from one thread.
+    `limits` is ever sent, but to lift a tip straight up that was put beside it: a call that would need one raises
+    InputError, and nothing moves. An arm's reach is computed, so it is checked before a plan begins, by `check_room`,
+    and not here: no lift may fail by it. All calls raise MachineError where the machine fails. After that, and after
+    `stop`, they raise StoppedError until the machine is entered again. `stop` may be called from any thread or signal
+    handler, all else from one thread.
 
     An adapter implements the abstract methods. They return once the machine has arrived; one that takes longer than
     0.1 s looks at `_stopping` that often, and raises StoppedError.
@@ -173,9 +174,12 @@ class Robot(ABC):
 
     @final
     def lift(self, height: float) -> Floats:
-        """Lift the tip straight up to a height, metres; returns the place commanded, (3,)."""
+        """Lift the tip straight up to a height, metres; returns the place commanded, (3,).
+
+        A tip that was put beside its limits, by hand or by a narrower easel, is lifted there: it goes nowhere else.
+        """
         goal = np.array([*self.place[:2], height], dtype=np.float64)
-        self.limits.check_path(goal[None])
+        self.limits.check_height(height)
         self._clear = max(self._clear, height)
         place = self._do(lambda: self._lift(goal))
         self._down = self._low = False

@@ -241,6 +241,12 @@ def _check_depth(brush: Brush, easel: Easel, limits: Limits) -> None:
             f"neither the brush {brush.name} nor the easel says how deep it may be pressed; calibrate the touch again"
         )
     if limits.varies_pressure and max(brush.depth) > easel.deepest + SLACK:
+        if not easel.deepest:
+            raise InputError(
+                f"the brush {brush.name} is pressed {1e3 * max(brush.depth):g} mm deep, and no easel says how deep it "
+                "may be (a pen that a servo lifts has the easel that maulstick machine writes)",
+                Remedy.CALIBRATE_TOUCH,
+            )
         raise InputError(
             f"the brush {brush.name} is pressed {1e3 * max(brush.depth):g} mm deep, and the easel allows "
             f"{1e3 * easel.deepest:g} mm: {1e3 * (max(brush.depth) - easel.deepest):.3g} mm less; calibrate the touch "

@@ -22,6 +22,8 @@ from maulstick.storage.arrays import Floats
 PUT_HOME: Final = "unplug power and USB, push the pen to its home corner, and plug both in again"
 """What helps a machine that has lost count of its steps."""
 
+_FIND_HOME = "home it with $H"  # of one that finds its place at switches, which only a Grbl does
+
 _AT_HOME = 1e-4  # metres: covers rounding to steps or decimals
 
 
@@ -72,7 +74,8 @@ class Workplace:
             return []
         x, y, _ = self.easel.machine_to_canvas(robot.place).tolist()
         stands = f"{1e3 * x:.0f} mm from the left and {1e3 * y:.0f} mm from the upper edge of the sheet"
-        return [Prompt(f"see that the pen stands {stands} (elsewhere: stop, {PUT_HOME})", paint, renews=False)]
+        remedy = _FIND_HOME if robot.home is None else PUT_HOME
+        return [Prompt(f"see that the pen stands {stands} (elsewhere: stop, {remedy})", paint, renews=False)]
 
     def do(
         self, actions: list[Action], load: PaintLoad = NOTHING, enough: Callable[[int], bool] = lambda painted: False

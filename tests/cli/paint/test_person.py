@@ -5,7 +5,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from rich.console import Console
 
+from maulstick.cli.paint.operator import TerminalOperator
 from tests.cli.conftest import run
 from tests.cli.paint.conftest import ALL, answers, events, painted
 from tests.support.robot.recorder import Recorder
@@ -97,3 +99,16 @@ def test_ctrl_c_at_any_command_lifts_the_pen_and_nothing_is_lost(
     robot.commands.append((during, np.empty((0, 3))))  # nobody interrupts again
     assert run("paint", painting, "--robot", "grbl:/x", "--resume", "--unfinished", "painted").code == 0
     assert sorted(painted(painting)) == ALL
+
+
+@pytest.mark.parametrize(("before", "stopped"), [(signal.SIG_IGN, False), (signal.SIG_DFL, True)])
+def test_a_closed_terminal_stops_a_run_but_not_one_under_nohup(before: signal.Handlers, stopped: bool) -> None:
+    earlier = signal.signal(signal.SIGHUP, before)
+    try:
+        operator = TerminalOperator(Console(file=io.StringIO()), SIX, Recorder(), 0, "")
+        with operator.on_duty():
+            os.kill(os.getpid(), signal.SIGHUP)
+        assert operator.stopped == stopped
+        assert signal.getsignal(signal.SIGHUP) == before
+    finally:
+        signal.signal(signal.SIGHUP, earlier)

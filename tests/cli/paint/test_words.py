@@ -16,6 +16,7 @@ from tests.support.robot.small_paintings import line, painting_of
         (["--robot", "simulator"], "there is no machine 'simulator'; there are: sim, sim:pens, sim:real, grbl:"),
         (["--robot", "sim:fast"], "there is no machine 'sim:fast'"),
         (["--robot", "plotter"], "there is no machine 'plotter'"),
+        (["--robot", ""], "there is no machine ''; there are: sim"),
         (["--robot", "grbl"], "'grbl' does not say where the machine is"),
         (["--robot", "xarm:192.0.2.1", "--dry-run"], "calibrate touch"),
         (["--easel", "none.json"], "there is no easel none.json"),

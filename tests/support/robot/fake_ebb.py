@@ -54,6 +54,10 @@ class FakeEbb:
     supply: int = POWERED
     button: bool = False
     unread: bytes = b""
+    enabled: bool = False
+    divided: int = 16  # into how many each step is, where it is enabled
+    future: bool = False  # whether it answers in the syntax that firmware 3 knows beside the old one
+    queue: int = 1  # motions that wait beside the one that runs
 
     commands: list[str] = field(default_factory=list)
     made: tuple[int, int] = (0, 0)  # steps that the motors really made: none without power
@@ -63,7 +67,6 @@ class FakeEbb:
     clock: float = 0.0  # seconds since then
     down: bool = False
     stops: int = 0
-    enabled: bool = False
 
     def __enter__(self) -> Self:
         self._master, self._unplugged = -1, False
@@ -154,6 +157,8 @@ class FakeEbb:
                 self.reached.append((*self.made, self.down))
 
     def _tell(self, text: str, end: str = "\r\n") -> None:
+        if self.future:
+            text, end = self._name if text == "OK" else f"{self._name},{text.removeprefix('QM,')}", "\n"
         self._answers.append((time.monotonic() + self.delay, f"{text}{end}".encode("latin-1")))
 
     def _hang_up(self) -> None:
@@ -165,11 +170,12 @@ class FakeEbb:
     def _obey(self, command: str) -> bool:
         """Deal with the command; returns whether that was possible now."""
         name, *words = command.split(",")
-        if name in ("SM", "SP") and len(self._motions) >= 2:  # a third motion blocks all commands after it
+        if name in ("SM", "SP") and len(self._motions) > self.queue:  # one more blocks all commands after it
             return False
         if not command:
             return True
         self.commands.append(command)
+        self._name, before = name, len(self._answers)
         if name == "SM":
             fault = self.faults.get(self._moves)
             self._moves += 1
@@ -180,7 +186,7 @@ class FakeEbb:
         if refusal is not None:
             self.refused.append(command)
             self._tell(refusal)
-        elif name not in ("V", "QM"):
+        elif name not in ("V", "QM") and not (self.future and len(self._answers) > before):
             self._tell("OK")
         return True
 
@@ -206,6 +212,13 @@ class FakeEbb:
     def _do_qc(self, _: list[int]) -> None:
         self._tell(f"0394,{self.supply:04d}")
 
+    def _do_qe(self, _: list[int]) -> str | None:
+        if not self._has((2, 8, 0)):
+            return unknown("QE")
+        state = self.divided if self.enabled else 0
+        self._tell(f"{state},{state}")
+        return None
+
     def _do_qb(self, _: list[int]) -> None:
         self._tell(str(int(self.button)))
         self.button = False
@@ -215,6 +228,7 @@ class FakeEbb:
         if not (0 <= first <= 5 and 0 <= second <= 5):
             return wrong_value()
         self.enabled = first > 0 and second > 0
+        self.divided = 16 >> (first - 1) if first > 0 else self.divided
         if self._has((2, 6, 2)):
             self._do_cs([])
         return None
@@ -234,6 +248,17 @@ class FakeEbb:
     def _do_sc(self, words: list[int]) -> str | None:
         kind, value = words
         return None if 0 <= kind <= 255 and (1 if kind in (4, 5) else 0) <= value <= 65535 else wrong_value()
+
+    def _do_cu(self, words: list[int]) -> str | None:
+        """Set the depth of the queue (4), or the syntax (10), whose answer is half in either."""
+        if not self._has((3, 0, 0)) or words[0] not in (4, 10):
+            return wrong_value()
+        if words[0] == 4:
+            self.queue = words[1]
+        elif self.future and words[1] == 0:
+            self.future = False
+            self._tell("CU", "")
+        return None
 
     def _do_sr(self, words: list[int]) -> str | None:
         if not self._has((2, 6, 0)):

@@ -29,7 +29,7 @@ HELD = 255  # as $1: the motors are never let go
 CRITICAL = ("ALARM:1", "ALARM:2")  # nothing but a reset is heard after these
 
 SETTINGS: dict[int, float] = {
-    1: 25, 10: 1, 11: 0.01, 12: 0.002, 13: 0, 20: 0, 21: 0, 22: 0, 30: 1000, 31: 0, 32: 0,
+    1: 25, 10: 1, 11: 0.01, 12: 0.002, 13: 0, 20: 0, 21: 0, 22: 0, 23: 0, 30: 1000, 31: 0, 32: 0,
     100: 80, 101: 80, 102: 400, 110: 6000, 111: 6000, 112: 1200,
     120: 400, 121: 400, 122: 400, 130: 300, 131: 220, 132: 60,
 }  # fmt: skip
@@ -53,6 +53,7 @@ class FakeGrbl:
     delay: float = 0.0
     faults: dict[int, str] = field(default_factory=dict)
     lost_reports: int = 0
+    options: str = "V"  # with which it was built
     banner: str = "Grbl 1.1h ['$' for help]"
     locked: bool = False
 
@@ -295,6 +296,9 @@ class FakeGrbl:
             for name, place in {"G54": self.origin, "G55": nowhere, "G28": nowhere, "G92": self.shift}.items():
                 self._tell("[{}:{:.3f},{:.3f},{:.3f}]".format(name, *place))
             self._tell("[TLO:0.000]")
+        elif line == "$I":
+            self._tell("[VER:1.1h.20190830:]")
+            self._tell(f"[OPT:{self.options},15,128]")
         elif line == "$X":
             self._state = "Idle" if self._state == "Alarm" else self._state
         self._tell("ok")

@@ -21,6 +21,7 @@ from maulstick.painting.raster import Canvas, flat_canvas, parse_size
 from maulstick.robot.easel import read_easel
 from maulstick.robot.journal import Journal, journal_of, was_begun
 from maulstick.robot.machines import SPECS, kind_of, machine
+from maulstick.robot.plotter import only_lifts_pen
 from maulstick.robot.workplace import Workplace, home_of
 from maulstick.storage.folders import all_or_nothing
 
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
     from maulstick.robot.easel import Easel
 
 _FEWEST, _MOST = 5, 1000  # strokes: too few for a fit, and hours of drawing
+_HELD = 0.5  # pressure that stands for the one of a pen that is only lifted
 _PHOTOGRAPHS = ("each", "one")  # one after each stroke, or one of the whole sheet
 
 _fitting = partial(typer.Option, rich_help_panel="The brush and its strokes")
@@ -103,7 +105,10 @@ def brush(
     elif camera is None:
         raise InputError("a camera over the sheet is needed; name it with --camera usb:0, or folder:PATH")
     place = read_easel(easel) if easel is not None else None
-    sheet = _sheet(out, parse_size(size), load_brush(like), style, strokes, place)
+    model = load_brush(like)
+    if not options.simulated and model.pressure_matters and only_lifts_pen(machine(options.machine, place)):
+        model = model.held_at(_HELD).model_copy(update={"depth": (0.0, 0.0)})  # how deep it is pressed is not known
+    sheet = _sheet(out, parse_size(size), model, style, strokes, place)
     _check_machine(out, options.machine)
     _collect(sheet, out, options, place, each=photographs == "each")
     try:
@@ -115,15 +120,19 @@ def brush(
 def _sheet(
     out: Path, size: tuple[float, float], like: Brush, style: str, strokes: int, easel: "Easel | None"
 ) -> Painting:
-    """Return the strokes to draw: those of an unfinished folder, or new ones, which are written there."""
+    """Return the strokes to draw: those of an unfinished folder, or new ones, which are written there.
+
+    Strokes of other options are replaced where no machine has begun them.
+    """
     path = out / "practice.json"
     if path.exists():
         begun = read_painting(path)
         there = (begun.sheet.width, begun.sheet.height), [*begun.brushes], begun.provenance.options.get("style")
-        if (*there, len(begun.strokes)) != (size, [like.name], style, strokes):
+        if (*there, len(begun.strokes)) == (size, [like.name], style, strokes):
+            return begun
+        if was_begun(journal_of(path)) or not begun.provenance.options.get("practice"):
             raise InputError(f"{out} was begun with other options; go on with the same ones, or choose another --out")
-        return begun
-    if out.exists() and (not out.is_dir() or any(out.iterdir())):
+    elif out.exists() and (not out.is_dir() or any(out.iterdir())):
         raise OutputError(f"{out} holds something else; choose another --out")
     from maulstick.jobs.paint.camera_loop import practice  # loads torch
     from maulstick.style import load_style
@@ -161,6 +170,9 @@ def _collect(sheet: Painting, out: Path, options: PaintOptions, place: "Easel | 
 
     console = Console(stderr=True, markup=False, highlight=False)
 
+    def tell(sentence: str) -> None:
+        console.print(f"note: {sentence}", soft_wrap=True)
+
     def look() -> "NDArray[np.float32]":
         with operator.interruptible():
             seen = eye.look()
@@ -178,7 +190,7 @@ def _collect(sheet: Painting, out: Path, options: PaintOptions, place: "Easel | 
     simulation = Simulation.of(options.machine, sheet, place, None) if options.simulated else None
     robot = machine(options.machine, place) if simulation is None else simulation.robot
     easel = place or robot.easel(sheet.sheet.width, sheet.sheet.height)
-    seeing = open_camera(options.camera or "") if simulation is None else simulation.camera(tags)
+    seeing = open_camera(options.camera or "", tell) if simulation is None else simulation.camera(tags)
     with machine_lock(options.machine), Journal.open(journal_of(path)) as journal, robot, seeing:
         begun = journal.revision is not None
         if not begun:

@@ -16,11 +16,12 @@ from maulstick.errors import InputError
 from maulstick.jobs.paint.machine_lock import machine_lock
 from maulstick.painting.raster import parse_size
 from maulstick.robot.easel import write_easel
-from maulstick.robot.machines import SPECS, machine
+from maulstick.robot.machines import REAL_SPECS, machine
 from maulstick.storage.folders import made_folder
 
 if TYPE_CHECKING:
     from maulstick.robot.easel import Easel
+    from maulstick.robot.force import FeelsForce
     from maulstick.robot.robot import Robot
     from maulstick.storage.arrays import Floats
 
@@ -28,7 +29,7 @@ _LIFT = 0.02  # metres above the sheet from corner to corner, clear of clips and
 
 
 def touch(
-    robot: Annotated[str, typer.Option(metavar="MACHINE", help=f"The machine: {SPECS}.")],
+    robot: Annotated[str, typer.Option(metavar="MACHINE", help=f"The machine: {REAL_SPECS}.")],
     size: Annotated[str, typer.Option(metavar="SIZE", help="Size of the sheet: 200x160mm, A4-landscape.")],
     force: Annotated[
         bool, typer.Option("--force", metavar="", help="Lower the tip until the machine feels the paper.")
@@ -80,7 +81,7 @@ def _touched(
     arm: "Robot", keys: Iterator[str], corners: dict[str, tuple[float, float]], console: Console, *, force: bool
 ) -> "Easel":
     """Return the easel on which the corners lie; where they do not fit, ask for each again until they do."""
-    from maulstick.calibration.touch import easel_from_touches, probe_by_force
+    from maulstick.calibration.touch import easel_from_touches
     from maulstick.robot.force import FeelsForce
 
     touched: dict[str, Floats] = {}
@@ -88,8 +89,7 @@ def _touched(
         for name in corners:
             if force:
                 assert isinstance(arm, FeelsForce)
-                above = _jogged(arm, keys, f"take the tip above the {name} corner of the sheet", console)
-                touched[name] = probe_by_force(arm, above, arm.limits.lower[2])
+                touched[name] = _felt(arm, keys, f"take the tip above the {name} corner of the sheet", console)
             else:
                 ask = f"lower the tip onto the {name} corner of the sheet until it just touches"
                 touched[name] = _jogged(arm, keys, ask, console)
@@ -99,6 +99,18 @@ def _touched(
                     return easel_from_touches(np.array([*touched.values()]), np.array([*corners.values()]))
                 except InputError as error:
                     console.print(COMMAND_LINE.say(error), soft_wrap=True)
+
+
+def _felt(arm: "FeelsForce", keys: Iterator[str], ask: str, console: Console) -> "Floats":
+    """Return the place of the paper beneath the tip, (3,) metres; asks again where nothing is felt."""
+    from maulstick.calibration.touch import NothingFeltError, probe_by_force
+
+    while True:
+        above = _jogged(arm, keys, ask, console)
+        try:
+            return probe_by_force(arm, above, arm.limits.lower[2])
+        except NothingFeltError as error:
+            console.print(COMMAND_LINE.say(error), soft_wrap=True)
 
 
 def _pressed(arm: "Robot", keys: Iterator[str], easel: "Easel", console: Console) -> "Easel":

@@ -66,9 +66,10 @@ class TerminalOperator(Operator):
         """
         over = threading.Event()
         keys = threading.Thread(target=self._listen, args=(over,), daemon=True)
-        before = {
-            number: signal.signal(number, self.interrupt) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
-        }
+        stopping = [signal.SIGINT, signal.SIGTERM, signal.SIGHUP]
+        if signal.getsignal(signal.SIGHUP) == signal.SIG_IGN:  # nohup: it is to go on where its terminal is closed
+            stopping.remove(signal.SIGHUP)
+        before = {number: signal.signal(number, self.interrupt) for number in stopping}
         keys.start()
         try:
             with self._bars:

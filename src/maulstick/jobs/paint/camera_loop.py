@@ -77,8 +77,14 @@ def room_of(brush: Brush) -> float:
 def check_replannable(painting: Painting) -> None:
     """Raise InputError where the strokes of a painting cannot be planned again.
 
-    That is so for no style, several styles or a changed one, and for plans by a text or a look.
+    That is so for no style, several styles or a changed one, and for plans by a text, a look, regions or guides.
     """
+    for what in ("regions", "guides"):
+        if painting.provenance.options.get(what):
+            raise InputError(
+                f"it was planned with {what}, which planning again on the way does not know; do not replan, but stop, "
+                "and plan the rest again with a photograph as the background"
+            )
     strokes = [stroke for stroke in painting.strokes if not stroke.locked]
     _style_of(strokes, painting), _weights(painting)
 

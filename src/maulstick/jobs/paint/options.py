@@ -120,7 +120,7 @@ class PaintOptions(BaseModel):
     @property
     def machine(self) -> str:
         """Spec of the machine; the simulated easel, unless another was named."""
-        return self.robot or "sim"
+        return "sim" if self.robot is None else self.robot
 
     @property
     def sheets(self) -> int:

@@ -1,6 +1,6 @@
 """Replanning: the camera of a run photographs the sheet on the way, and what is left is planned again."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -83,14 +83,19 @@ class Replanning:
         check_replannable(plan)
 
     @contextmanager
-    def opened(self, plan: Painting, simulation: Simulation | None, before: Journal | None) -> Iterator[Eye]:
-        """Open the camera, as an eye that has seen the bare sheet: now, or in the run `before` that is resumed."""
+    def opened(
+        self, plan: Painting, simulation: Simulation | None, before: Journal | None, tell: Callable[[str], None]
+    ) -> Iterator[Eye]:
+        """Open the camera, as an eye that has seen the bare sheet: now, or in the run `before` that is resumed.
+
+        tell: as in `open_camera`.
+        """
         tags = self._tags(plan)
         view = None if self.view is None else read_view(self.view)
         canvas = flat_canvas(plan.sheet.width, plan.sheet.height)
         if before is not None and not (kept := _eye_of(before)).exists():
             raise InputError(f"there is no {kept}, so no camera saw the bare sheet", Remedy.WITHOUT_REPLAN)
-        with simulation.camera(tags) if simulation is not None else open_camera(self.camera or "") as camera:
+        with simulation.camera(tags) if simulation is not None else open_camera(self.camera or "", tell) as camera:
             if before is not None:
                 yield Eye.opened_again(camera, canvas, tags, _eye_of(before), view)
             else:

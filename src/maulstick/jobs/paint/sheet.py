@@ -70,7 +70,7 @@ def paint_sheet(
             eye = (
                 None
                 if replanning is None
-                else stack.enter_context(replanning.opened(setup.plan, setup.simulation, before))
+                else stack.enter_context(replanning.opened(setup.plan, setup.simulation, before, operator.note))
             )
         stack.enter_context(setup.robot.connected())
         actions = actions_left(setup, done, sheet.load)  # before anything moves

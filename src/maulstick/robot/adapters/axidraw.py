@@ -17,11 +17,16 @@ from maulstick.robot.timing import Profile
 from maulstick.storage.arrays import Floats
 
 _STEPS_PER_METRE = 80_000  # 2032 per inch, with steps divided by 16
+_UNEVEN = 2 / _STEPS_PER_METRE  # metres: along an edge a stop may come between the steps of one motor and the other
 _SLICE = 0.025  # seconds: short enough for smooth ramps and a quick stop, long enough for USB
 _SHORTEST = 0.005  # seconds: slices that are shorter come faster than the board takes them
 _MILLISECONDS = 1000  # per second
 _SERVO = 6000, 30000  # units of 1/12 microsecond: 0.5 to 2.5 ms, the pulses that servos understand
 _UNPOWERED = "the AxiDraw's motors have no power; plug its supply in, and push its pen to the home corner"
+_ANOTHERS = (
+    "another program left the AxiDraw away from home, with motors that do not hold or make other steps; unplug power "
+    "and USB, push its pen to the home corner, and plug both in"
+)
 _USUAL_PEN = Pen(up=20641, down=15248, seconds=0.3)  # 60 % and 30 % of the range of the V3's servo
 V3: Final = Limits(
     lower=(0, -0.218, -0.1),
@@ -107,8 +112,10 @@ class AxiDraw(LetsGo, HasServo):
         self._check_power(None)
         if self._board.position() == (0, 0):  # a board that has counted steps still holds its motors, and its place
             self._board.enable()
+        elif not self._board.holds():
+            raise MachineError(_ANOTHERS)
         self._board.pressed()  # what was pressed before does not count
-        place = np.array([*(_grid_of(self._board.position()) / _STEPS_PER_METRE), 0.0])
+        place = self._where(0.0)
         try:
             V3.check_path(place[None])  # not the narrower limits, which may leave out its home
         except InputError as error:
@@ -137,7 +144,7 @@ class AxiDraw(LetsGo, HasServo):
         self._board.pen(down=False, seconds=self._pen.seconds)
         self._board.wait()
         self._check_power(Remedy.GO_ON)
-        return np.array([*(_grid_of(self._board.position()) / _STEPS_PER_METRE), place[2]])
+        return self._where(float(place[2]))
 
     def _pressed(self) -> bool:
         return self._board.pressed()
@@ -189,6 +196,14 @@ class AxiDraw(LetsGo, HasServo):
             at, when = goal, end
         self._board.wait()
         return np.concatenate([self._grid(path) / _STEPS_PER_METRE, path[:, 2:]], axis=1)
+
+    def _where(self, height: float) -> Floats:
+        """Return the place (3,) that the board tells, at a height; a few steps beside an edge count as on the edge."""
+        place = np.array([*(_grid_of(self._board.position()) / _STEPS_PER_METRE), height])
+        for limits in (V3, self.limits):
+            inside = place.clip(limits.lower, limits.upper)
+            place = inside if np.abs(place - inside).max() <= _UNEVEN else place
+        return place
 
     def _grid(self, places: Floats) -> Floats:
         """Return whole steps (..., 2) along x and y for places (..., 3), rounded towards the inside at the limits."""

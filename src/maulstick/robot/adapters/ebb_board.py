@@ -1,4 +1,4 @@
-"""The commands and answers of an EiBotBoard, which drives an AxiDraw's motors and pen (firmware 2.x)."""
+"""The commands and answers of an EiBotBoard, which drives an AxiDraw's motors and pen (firmware 2.x and 3.x)."""
 
 import re
 from typing import Final, final
@@ -20,10 +20,14 @@ _USB = (0x04D8, 0xFD92)  # vendor and product of the board
 _BAUD = 115200  # without meaning over USB, but the port asks for one
 _OLDEST = (2, 4, 4)  # the first firmware whose QM reports the queue
 _SWITCHES_SERVO = (2, 6, 0)  # the first firmware that takes the servo's power away, 60 s after its last motion
+_TELLS_STEPS = 2, 8, 0  # the first firmware that says whether its motors hold, and how steps are divided
+_DIVIDED = 16  # steps, by EM,1
+_HAS_MODES = 3, 0, 0  # the first firmware that another program may have told to answer in another way, and queue more
 _USUAL_REST = 60_000  # milliseconds: after which that firmware does, unless it was told otherwise
 _POWERED = 200  # of QC: the 5 V of USB alone read 158 at most on any board, a supply of 9 V reads 245 at least
 _POSITION = r"(-?\d+),(-?\d+)"
 _VOLTAGES = r"(\d+),(\d+)"
+_MOTOR_STATES = r"(\d+),(\d+)"
 _BUTTON = r"([01])"
 _MOTORS = r"QM,(\d+),(\d+),(\d+),(\d+)"
 _NOTHING = "$^"  # a pattern that no answer matches
@@ -56,10 +60,16 @@ class EbbBoard:
         if self._version < _OLDEST:
             came, oldest = ".".join(found.groups()), ".".join(map(str, _OLDEST))
             raise MachineError(f"the board on {self._line.port} has firmware {came}; update it to {oldest} or newer")
+        if self._version >= _HAS_MODES:
+            self._take_back_modes()
 
     def enable(self) -> None:
         """Switch both motors on, with steps divided by 16; steps are counted from where they are now."""
         self._command("EM,1,1")
+
+    def holds(self) -> bool:
+        """Return whether both motors hold, with steps as `enable` divides them; True where old firmware cannot say."""
+        return self._version < _TELLS_STEPS or self._command("QE", _MOTOR_STATES) == (_DIVIDED, _DIVIDED)
 
     def release(self) -> None:
         """Let both motors turn freely; steps are counted from where they are now."""
@@ -108,6 +118,13 @@ class EbbBoard:
         """Wait until nothing moves and nothing is queued."""
         while any(self._ask("QM", _MOTORS)):
             self._stopping.wait(GLANCE)
+
+    def _take_back_modes(self) -> None:
+        """Let the board answer, and queue one motion, as when it is switched on; NextDraw leaves it otherwise."""
+        self._send(syntax := "CU,10,0")
+        if (text := self._answer()) not in ("OK", "CUOK"):  # the latter where it had to change
+            self._numbers(syntax, _NOTHING, text)
+        self._command("CU,4,1")
 
     def _command(self, command: str, pattern: str = _NOTHING) -> tuple[int, ...]:
         """Send a command, and return the numbers in the line of this pattern that comes before OK."""

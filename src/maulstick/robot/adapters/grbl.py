@@ -7,7 +7,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from maulstick.errors import InputError, MachineError, validation_fault
-from maulstick.robot.adapters.grbl_answers import own_limits, settings_of, work_origin
+from maulstick.robot.adapters.grbl_answers import is_zero_at_switches, own_limits, settings_of, work_origin
 from maulstick.robot.adapters.grbl_stream import HOLD, GrblStream
 from maulstick.robot.adapters.serial_line import SerialLine
 from maulstick.robot.easel import Easel, Pen
@@ -112,15 +112,17 @@ class Grbl(KeepsOrigin, LetsGo, HasServo, OverridesSpeed):
     def _connect(self) -> None:
         self._line = SerialLine(self._port, self._baud)
         self._stream = GrblStream(self._line, self._patience, self._stopping)
+        self._stream.end_motion()
         self._stream.reset()
         self._stream.status()
         self._take_settings()
 
     def _close(self) -> None:
         if self._line is not None:
-            if self._stopping.is_set() and not self._out_of_use:
-                with suppress(MachineError):
+            with suppress(MachineError):  # a line that is lost is closed all the same
+                if self._stopping.is_set() and not self._out_of_use:
                     self._stream.release()
+                self._stream.take_back_override()
             self._line.close()
             self._line = None
 
@@ -134,7 +136,7 @@ class Grbl(KeepsOrigin, LetsGo, HasServo, OverridesSpeed):
 
     def _lift(self, place: Floats) -> Floats:
         self._stream.run(self._gcode.lift(place))
-        return self._gcode.rounded(place)
+        return np.array([*place[:2], self._gcode.rounded(place)[2]])
 
     def _set_servo(self) -> Floats:
         place = self.place
@@ -171,9 +173,9 @@ class Grbl(KeepsOrigin, LetsGo, HasServo, OverridesSpeed):
         """Lift the pen to a height, metres, unless it is higher; returns the place of the tip then, (3,)."""
         status = stream.status()
         tip = status.tip - self._origin if status.of_machine else status.tip
-        inside = np.clip([*tip[:2], max(tip[2], height)], self.limits.lower, self.limits.upper)
-        stream.run([*self._gcode.begin(), *self._gcode.lift(inside)])
-        return np.array([*tip[:2], inside[2]])
+        lifted = np.array([*tip[:2], np.clip(max(tip[2], height), self.limits.lower[2], self.limits.upper[2])])
+        stream.run([*self._gcode.begin(), *self._gcode.lift(lifted)])
+        return lifted
 
     def _take_settings(self) -> None:
         """Ask the machine for its settings, and set the limits and the work's origin by them."""
@@ -183,7 +185,8 @@ class Grbl(KeepsOrigin, LetsGo, HasServo, OverridesSpeed):
             raise MachineError(f"the Grbl on {self._port} did not tell where its work's origin lies; start again")
         try:
             self._check_modes(settings)
-            own = own_limits(settings, origin, self._pen)
+            at_switches = self._finds_home and is_zero_at_switches(self._stream.ask("$I"))
+            own = own_limits(settings, origin, self._pen, at_switches)
             self.limits = own if self._narrower is None else own.narrowed(self._narrower)
         except KeyError as error:
             raise MachineError(f"the Grbl on {self._port} did not tell its setting ${error}; start again") from error

@@ -58,16 +58,19 @@ ERRORS: Final = {
     38: "the number of a tool is too large",
 }
 
-_HOME = "home it with $H before it draws again, or without homing ($22=0) switch it off and on with its pen at home"
+HOME: Final = (
+    "home it with $H before it draws again, or without homing ($22=0) switch it off and on with its pen at home"
+)
+"""What helps a Grbl that has lost its place."""
 
 ALARMS: Final = {
-    1: f"a limit switch was hit and its position is lost; {_HOME}",
+    1: f"a limit switch was hit and its position is lost; {HOME}",
     2: "a motion would leave its travel; unlock it with $X and check where its work origin lies",
-    3: f"it was reset while it moved and its position is lost; {_HOME}",
+    3: f"it was reset while it moved and its position is lost; {HOME}",
     4: "the probe was not in its first state",
     5: "the probe touched nothing",
-    6: f"homing was interrupted by a reset; {_HOME}",
-    7: f"the safety door was opened while homing; close it and {_HOME}",
+    6: f"homing was interrupted by a reset; {HOME}",
+    7: f"the safety door was opened while homing; close it and {HOME}",
     8: "homing could not leave a limit switch; check its wiring, or set a longer pull-off $27",
     9: "homing did not find a limit switch; check its wiring, or set the travels $130 to $132",
 }
@@ -113,11 +116,18 @@ def work_origin(lines: Iterable[str]) -> Floats | None:
     return sum(told.values(), np.zeros(3)) if len(told) == 3 else None
 
 
-def own_limits(settings: dict[int, float], origin: Floats, pen: Pen | None) -> Limits:
+def is_zero_at_switches(lines: Iterable[str]) -> bool:
+    """Return whether the answer to $I has the letter Z: each axis is then at 0 where it has found its switch."""
+    found = (re.match(r"\[OPT:([^,\]]*)", line) for line in lines)
+    return any("Z" in options[1] for options in found if options is not None)
+
+
+def own_limits(settings: dict[int, float], origin: Floats, pen: Pen | None, zero_at_switches: bool = False) -> Limits:
     """Return the limits of a Grbl with these settings, in coordinates of its work, whose origin (3,) is in metres.
 
-    With homing the travel lies below the machine's own origin, on every axis. Without homing, the machine is taken to
-    have been switched on in the lower left corner of its travel, as plotters are, the tip on the paper or above it.
+    With homing the travel lies below the machine's own origin, on every axis, unless that is `zero_at_switches`, from
+    which an axis in the mask $23 goes up. Without homing, the machine is taken to have been switched on in the lower
+    left corner of its travel, as plotters are, the tip on the paper or above it.
     pen: servo of its pen, None where it lifts by height.
     Grbl waits for $1 at the end of every motion, before it answers and lets go of its motors, unless $1 is 255.
     Raises KeyError where a setting is missing.
@@ -126,7 +136,12 @@ def own_limits(settings: dict[int, float], origin: Floats, pen: Pen | None) -> L
     rates = [_MM_PER_MINUTE * settings[code] for code in (110, 111, 112)]
     gains = (_MM * settings[120], _MM * settings[121], _MM * settings[122])
     travel = np.array([_MM * settings[code] for code in (130, 131, 132)])
-    lower, upper = (-travel - origin, -origin) if settings[22] else (travel * (0, 0, -1), travel)
+    if settings[22]:
+        rises = [zero_at_switches and int(settings[23]) >> axis & 1 for axis in range(3)]
+        upper = travel * rises - origin
+        lower = upper - travel
+    else:
+        lower, upper = travel * (0, 0, -1), travel
     if pen is not None:  # it has no height
         lower[2], upper[2] = -travel[2], travel[2]
     return Limits(

@@ -9,7 +9,7 @@ import time
 from typing import Final, final
 
 from maulstick.errors import MachineError, Remedy
-from maulstick.robot.adapters.grbl_answers import ALARMS, ERRORS, Status
+from maulstick.robot.adapters.grbl_answers import ALARMS, ERRORS, HOME, Status
 from maulstick.robot.adapters.serial_line import Patience, SerialLine
 from maulstick.robot.robot import StoppedError
 from maulstick.robot.stopping import Stopping
@@ -28,6 +28,7 @@ _BETWEEN_RESETS = 1.0  # seconds; a board that restarts when its port is opened 
 _DEAF = 1.0  # seconds without a report: after the alarm of a limit, Grbl hears nothing but a reset
 _QUIET = 0.1  # seconds in which a board that took both resets greets a second time
 _HALTED = ("Hold:0", "Idle", "Alarm", "Sleep", "Door:0", "Door:1")  # states at rest
+_MOVING = ("Run", "Jog")
 _UNABLE = {
     "Door": "its safety door is open; close it",
     "Check": "it only checks G-code; send $C, then start again",
@@ -82,12 +83,22 @@ class GrblStream:
                     return
                 deaf.renew()
 
+    def end_motion(self) -> None:
+        """Brake where a run that was killed has left it moving, since a reset would lose its place."""
+        if (status := self._report()) is not None and status.state in _MOVING:
+            self.hold()
+
     def release(self) -> None:
         """End a hold in which it stands still and has nothing left to do, so that other programs find it idle."""
         if self._waiting:  # it would go on with what it was sent
             return
         if self.status(ready=False).state == "Hold:0":
             self._line.write(_GO_ON)
+
+    def take_back_override(self) -> None:
+        """Let it move as fast as commanded again, so that other programs find it so; waits for no answer."""
+        if self._overridden != 100:
+            self._line.write(_USUAL)
 
     def status(self, ready: bool = True) -> Status:
         """Ask for the status. ready: raise MachineError, which says what to do, where it is not ready to draw."""
@@ -182,7 +193,7 @@ class GrblStream:
             said = ALARMS.get(int(found[1]), f"it does not say why; {_UNABLE['Alarm']}")
             return MachineError(f"the Grbl on {port} raised alarm {found[1]}: {said}")
         if text.startswith("Grbl "):
-            return MachineError(f"the Grbl on {port} started again by itself; check its power, and home it with $H")
+            return MachineError(f"the Grbl on {port} started again by itself; check its power, and {HOME}")
         shown = text if len(text) <= 40 else text[:37] + "..."
         return MachineError(
             f"there is noise on the line to {port} ({shown!r}); check cable and ground",
@@ -199,9 +210,12 @@ class GrblStream:
         """Return whether Grbl greets in time. Raises MachineError where it is not version 1.1."""
         patience = Patience(min(_BETWEEN_RESETS, self._patience))
         while not patience.over:
-            if (found := re.match(r"Grbl (\S+)", self._line.line() or "")) is not None:
-                if not found[1].startswith("1.1"):
-                    raise MachineError(f"the machine on {self._line.port} is a Grbl {found[1]}; it must be a Grbl 1.1")
+            if (found := re.match(r"(?i)(grbl\w*) (\S+)", self._line.line() or "")) is not None:
+                if found[1] != "Grbl" or not found[2].startswith("1.1"):  # grblHAL greets as GrblHAL 1.1f
+                    raise MachineError(
+                        f"the machine on {self._line.port} is a {found[1]} {found[2]}; it must be a Grbl 1.1, or be "
+                        "given a file, as maulstick export writes"
+                    )
                 return True
         return False
 

@@ -34,7 +34,7 @@ class SerialLine:
             raise InputError(
                 f"cannot open the port {port}: {reason}; is it plugged in, free, and may you use it?"
             ) from error
-        except ValueError as error:
+        except (ValueError, OverflowError) as error:
             raise InputError.of_range("the baud rate", baud, "one that the port has, such as 115200") from error
         _leave_raised(self._serial)
 

@@ -2,6 +2,7 @@
 
 import time
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
@@ -24,7 +25,7 @@ _WIDEST = 10_000
 """Width and height in pixels that a driver is asked for; it takes the largest that it has."""
 
 _POLL = 0.1  # seconds between two looks into a folder; a file of the same size twice is complete
-_ENDINGS = (".jpg", ".jpeg", ".png", ".tif", ".tiff", ".webp", ".bmp")  # of files that count as pictures
+_ENDINGS = (".jpg", ".jpeg", ".png", ".heic", ".heif", ".tif", ".tiff", ".webp", ".bmp")  # of pictures
 
 
 class CameraError(MachineError):
@@ -94,12 +95,16 @@ class UsbCamera(Camera):
 class WatchedFolder(Camera):
     """Any camera that saves its pictures into a folder: a photograph is the next new file there.
 
-    patience: seconds until a file must be there and complete.  Raises InputError where there is no such folder.
+    patience: seconds until a file must be there and complete.  tell: called with a sentence for whoever takes the
+    picture, once it is waited for.  Raises InputError where there is no such folder.
     """
 
-    def __init__(self, folder: str | Path, patience: float = 120.0) -> None:
+    def __init__(
+        self, folder: str | Path, patience: float = 120.0, tell: Callable[[str], None] = lambda sentence: None
+    ) -> None:
         self._folder = Path(folder)
         self._patience = patience
+        self._tell = tell
         if not self._folder.is_dir():
             raise InputError(f"there is no folder {folder}; make it, and let the camera save its pictures there")
 
@@ -109,6 +114,7 @@ class WatchedFolder(Camera):
     def _take(self) -> Image:
         old, sizes = set(self._sizes()), dict[Path, int]()
         doubt = "let the camera save its pictures there"
+        self._tell(f"a new photograph of the sheet is waited for in {self._folder}, for {self._patience:g} s")
         deadline = time.monotonic() + self._patience
         while time.monotonic() < deadline:
             time.sleep(_POLL)
@@ -136,14 +142,15 @@ class WatchedFolder(Camera):
         return sizes
 
 
-def open_camera(spec: str) -> Camera:
+def open_camera(spec: str, tell: Callable[[str], None] = lambda sentence: None) -> Camera:
     """Open the camera that a spec names: ``usb:0`` or ``folder:PATH``.
 
+    tell: called with a sentence each time that a person may have to take the picture.
     Raises InputError where it names none, and CameraError where the camera cannot be had.
     """
     kind, _, name = spec.partition(":")
     if kind == "usb" and name.isascii() and name.isdecimal() and len(name) < 4:
         return UsbCamera(int(name))
     if kind == "folder" and name:
-        return WatchedFolder(name)
+        return WatchedFolder(name, tell=tell)
     raise InputError(f"{spec!r} is not a camera; write usb:0, or folder:PATH for one that saves its pictures there")

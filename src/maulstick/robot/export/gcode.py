@@ -72,8 +72,8 @@ class Gcode:
         return [*lowered, *lines]
 
     def lift(self, place: Floats) -> list[str]:
-        """Lift the pen straight up to a place (3,), metres."""
-        self.limits.check_path(place[None])
+        """Lift the pen straight up to a place (3,), metres; only its height has to be within the limits."""
+        self.limits.check_height(float(place[2]))
         if self.pen is not None:
             return self._servo(self.pen.up, self.pen.seconds)
         return [f"G1 Z{_MM * self.rounded(place)[2]:.3f} F{_feed(min(self.limits.speed, self.limits.climb)):.1f}"]
