@@ -9,7 +9,6 @@ import pytest
 
 from maulstick.painting.brush import load_brush
 from maulstick.painting.painting_file import write_painting
-from maulstick.robot.easel import Easel, Pen
 from tests.cli.conftest import Ran, run
 from tests.cli.paint.test_stops import Person
 from tests.support.robot.fake_ebb import POWERED, UNPOWERED, FakeEbb
@@ -90,20 +89,6 @@ def test_a_grbl_that_homes_by_itself_is_to_do_so_where_its_pen_stands_elsewhere_
         assert ran.code == 0, ran.stderr
         assert f"{ASKED} 10 mm from the left" in ran.stderr
         assert "(elsewhere: stop, home it with $H)" in " ".join(ran.stderr.split())
-
-
-def test_a_grbl_without_an_easel_is_said_to_lift_its_pen_by_height(
-    three: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    said = "note: the machine's Z lifts the pen; where a servo does, name the easel with its numbers"
-    easel = Easel(corner=(0, 0.04, 0), right=(1, 0, 0), down=(0, -1, 0), pen=Pen(up=700, down=500))
-    measured = three.with_name("easel.json")
-    measured.write_text(easel.model_dump_json())
-    with FakeGrbl(pace=1000.0) as device:
-        robot = ("--robot", f"grbl:{device.port}")
-        assert said in run("paint", three, *robot, "--dry-run").stderr
-        assert "note:" not in run("paint", three, *robot, "--easel", measured, "--dry-run").stderr
-        assert paint(monkeypatch, "", three, *robot).stderr.count(said) == 1
 
 
 def test_a_grbl_asks_as_well_and_once_for_all_copies(three: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -13,15 +13,11 @@ from maulstick.painting.brush import Brush, load_pen_brush
 from maulstick.painting.painting import Painting
 from maulstick.robot.easel import Easel, read_easel
 from maulstick.robot.machines import machine
-from maulstick.robot.plotter import HasServo
 from maulstick.robot.robot import Robot
 from maulstick.robot.stops import Stops
 from maulstick.robot.tray import Tray, read_tray
 
 _SAME_WIDTH = 0.05  # of a width: nobody sees less
-_BY_HEIGHT = (
-    "the machine's Z lifts the pen; where a servo does, name the easel with its numbers, which maulstick machine writes"
-)
 
 
 @dataclass(frozen=True)
@@ -30,8 +26,7 @@ class PaintSetup:
 
     sha256: of the plan's file, as it was read.
     simulation: None where the machine is a real one.  replanning: None where the sheet is not looked at on the way.
-    notes: sentences about what is not drawn as its file says, with another pen than planned, or with a pen that is not
-    lifted as somebody may think.
+    notes: sentences about what is not drawn as its file says, or with another pen than planned.
     """
 
     options: PaintOptions
@@ -62,11 +57,9 @@ class PaintSetup:
         simulation = Simulation.of(options.machine, plan, easel, tray) if options.simulated else None
         if robot is None:
             robot = machine(options.machine, easel) if simulation is None else simulation.robot
-        notes = [*paintable.notes, *([note] if note else [])]
-        if easel is None and isinstance(robot, HasServo) and robot.pen is None:
-            notes.append(_BY_HEIGHT)
         easel = easel or robot.easel(plan.sheet.width, plan.sheet.height)
-        return cls(options, plan, paintable.sha256, robot, easel, tray, simulation, replanning, tuple(notes))
+        notes = (*paintable.notes, *([note] if note else []))
+        return cls(options, plan, paintable.sha256, robot, easel, tray, simulation, replanning, notes)
 
     def first(self, from_stroke: int | None, from_pen: int | None = None) -> tuple[int, ...]:
         """Return the ids of the strokes before that one, or before that time a pen is put in, counted from 1.
