@@ -244,6 +244,19 @@ def planned_with(painting: Painting, **options: Any) -> Painting:
     return painting.model_copy(update={"provenance": provenance})
 
 
+@pytest.mark.parametrize(
+    ("was", "given"),
+    [({"look": "sea.jpg"}, {"look": Path("/pictures/sea.jpg")}), ({"text": "a boat"}, {"text": "a ship"})],
+)
+def test_weights_stay_where_the_look_is_named_once_more_or_the_text_is_another(
+    changed: Painting, was: dict[str, str], given: dict[str, Any]
+) -> None:
+    weights = {"tone": 1.0, **dict.fromkeys(was, 2.0)}
+    options = planned_before(planned_with(changed, weights=weights, **was), given)
+    assert options.weights == weights
+    assert {name: getattr(options, name) for name in given} == given
+
+
 def test_what_cannot_be_planned_again_is_refused(folder: Path, changed: Painting) -> None:
     every = LockStrokes(strokes=tuple(stroke.id for stroke in changed.strokes))
     assert "all 19 strokes are locked or painted, and strokes asks for no more; unlock some" in refusal(

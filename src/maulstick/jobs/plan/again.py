@@ -181,11 +181,12 @@ def planned_before(painting: Painting, given: Mapping[str, Any]) -> PlanOptions:
     for name in FILES:  # of which a painting knows no more than the name
         if kept.get(name) is not None:
             raise InputError(f"it was planned with the file {kept[name]}; name that once more, with {option(name)}")
+    weights = {"weights": kept.pop("weights")} if "weights" in kept else {}  # of a text or a look, which may be given
     try:
         options = TypeAdapter(PlanOptions).validate_python(kept)
     except ValidationError as error:
         raise InputError(f"it was planned with options of another kind: {validation_fault(error)}") from error
-    return replace(options, **{"seed": painting.provenance.seed, **given})
+    return replace(options, **{"seed": painting.provenance.seed, **weights, **given})
 
 
 def picture_near(painting: Painting, file: Path) -> Path | None:
