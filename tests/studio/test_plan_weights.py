@@ -6,21 +6,13 @@ from collections.abc import Callable
 
 import pytest
 
-from maulstick.errors import InputError
 from maulstick.painting.painting_file import read_painting
 from maulstick.studio.state.folder import Folder
 from maulstick.studio.state.plan import Phase, Plan
 from maulstick.studio.state.plans import Plans
-from maulstick.studio.state.weighing import check_weights
 from tests.studio.test_plans import REQUEST, folder, request_with, until
 
 __all__ = ["folder"]
-
-
-def test_words_of_a_plan_always_matter_a_little() -> None:
-    assert check_weights({"tone": 0.0, "text": 0.25}) == {"tone": 0.0, "text": 0.25}
-    with pytest.raises(InputError, match="“The words” would not matter, and the plan has some; move it up, or plan"):
-        check_weights({"tone": 1.0, "text": 0.0})
 
 
 def test_what_matters_can_be_changed_while_it_is_planned(folder: Folder, held_at: Callable[..., None]) -> None:

@@ -28,13 +28,9 @@ def weights_of(request: PlanRequest) -> dict[str, float]:
 
 
 def check_weights(weights: dict[str, float]) -> dict[str, float]:
-    """Return the weights as they are. Raises InputError where all are 0, and where those of words are."""
+    """Return the weights as they are. Raises InputError where all are 0."""
     if not any(weights.values()):
         raise InputError("nothing matters any more, so any painting would do; move one of the sliders up")
-    if weights.get("text") == 0:
-        raise InputError(
-            f"“{TERM_LABELS['text']}” would not matter, and the plan has some; move it up, or plan the picture without"
-        )
     return weights
 
 
