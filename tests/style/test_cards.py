@@ -53,6 +53,8 @@ def test_a_style_whose_files_somebody_renamed_is_found_by_the_name_that_painting
         file.rename(file.with_stem("bows"))
     assert load_style("bows", CANVAS).name == "arcs"
     assert style_path("arcs") == style_path("bows") == own / "bows.json"
+    path = rename_style("bows", "curves")
+    assert style_path("arcs") == style_path("bows") == path
 
 
 def test_a_style_that_is_learned_again_keeps_its_title_and_is_found_by_the_names_that_it_had(own: Path) -> None:

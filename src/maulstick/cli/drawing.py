@@ -8,12 +8,12 @@ from typing import Annotated, Any
 import typer
 from rich.console import Console
 
-from maulstick.cli.lengths import metres
+from maulstick.cli.lengths import metres, with_unit
 from maulstick.drawing.options import DrawingOptions
 from maulstick.errors import InputError
 from maulstick.jobs.paintable import read_paintable
 from maulstick.painting.painting import Painting
-from maulstick.painting.raster import parse_size
+from maulstick.painting.raster import parse_length, parse_size
 
 _drawing = partial(typer.Option, rich_help_panel="An SVG")
 _TURNS = ("0", "90", "180", "270")
@@ -92,8 +92,8 @@ def _hatch(text: str) -> dict[str, float]:
     """Return the fields for a spacing in millimetres and an angle, as in ``1.5`` and ``1@30``."""
     spacing, at, angle = text.partition("@")
     try:
-        found = {"hatch": float(spacing) * 1e-3} | ({"hatch_angle": radians(float(angle))} if at else {})
-    except ValueError:
+        found = {"hatch": parse_length(with_unit(spacing))} | ({"hatch_angle": radians(float(angle))} if at else {})
+    except ValueError:  # an InputError, too
         found = {}
     if not found or not all(map(isfinite, found.values())):
         raise InputError(f"--hatch is {text!r}; it must be millimetres between lines, as 1, or 1@30 with an angle")

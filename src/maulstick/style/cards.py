@@ -113,7 +113,8 @@ def rename_style(name: str, new: str) -> Path:
         if new in STYLES.paths() or os.path.lexists(path):
             raise OutputError(f"there is a style {new} already; choose another name")
         card = read_card(old)
-        former = tuple(each for each in (*(card.formerly or ()), name) if each != new)
+        known = dict.fromkeys((*(card.formerly or ()), card.name, name))  # a card may name another than its file
+        former = tuple(each for each in known if each != new)
         atomic_write(path.with_suffix(".safetensors"), read_whole(old.with_suffix(".safetensors"), "style", LARGEST))
         write_record(card.model_copy(update={"name": new, "formerly": former}), path)
         old.unlink()

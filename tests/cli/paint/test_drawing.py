@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from maulstick.cli.drawing import drawing_options
 from maulstick.robot.journal import journal_of
 from tests.cli.conftest import Ran, run
 from tests.cli.paint.conftest import answers, events, painted, picture_of
@@ -101,6 +102,13 @@ def test_how_it_was_read_is_kept_and_what_would_read_it_otherwise_is_refused(dra
         )
     for same in ((), ("--rotate", "90")):
         assert run("paint", drawing, "--resume", *same).stderr == "all strokes are painted\n"
+
+
+def test_hatching_is_as_dense_in_millimetres_as_with_its_unit() -> None:
+    for typed in ("1.5@30", "1.5mm@30", "0.15cm@30"):
+        options = drawing_options(None, None, "0", typed, None, False, None, False)
+        assert options is not None
+        assert (options.hatch, options.hatch_angle) == pytest.approx((1.5e-3, np.pi / 6))
 
 
 def test_a_drawing_that_has_changed_does_not_go_on(drawing: Path) -> None:
