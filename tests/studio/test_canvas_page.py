@@ -173,6 +173,7 @@ def test_what_is_moved_or_turned_while_another_page_takes_it_out_is_left_alone(
         tab.mouse.move(x + 10, y)
         sharp(other, done)
         other.press("Control+a")
+        expect(other.page.locator(".said")).to_have_text(re.compile(f"^{STROKES} strokes"))
         other.press("Delete")
         sharp(view, done + 1)
         expect(tab.locator(".said")).to_have_text(re.compile("^Nothing is chosen"))
