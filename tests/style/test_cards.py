@@ -57,6 +57,14 @@ def test_a_style_whose_files_somebody_renamed_is_found_by_the_name_that_painting
     assert style_path("arcs") == style_path("bows") == path
 
 
+def test_a_style_that_is_learned_again_over_renamed_files_is_found_by_the_name_in_their_card(own: Path) -> None:
+    for file in list(own.iterdir()):
+        file.rename(file.with_stem("bows"))
+    path = write_style(an_exemplar("bows"), "another drawing", own)
+    assert style_path("arcs") == path
+    assert read_card(path).formerly == ("arcs",)
+
+
 def test_a_style_that_is_learned_again_keeps_its_title_and_is_found_by_the_names_that_it_had(own: Path) -> None:
     title_style("arcs", "Arcs by Ida")
     rename_style("arcs", "bows")

@@ -68,6 +68,11 @@ class StyleCard(_Model):
     formerly: tuple[_StyleName, ...] | None = None
     title: str | None = None
 
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names that paintings may know it by, the latest last; its files have another where somebody renamed them."""
+        return (*(self.formerly or ()), self.name)
+
 
 def read_card(path: Path) -> StyleCard:
     """Return the card in a style's JSON. Raises InputError where it is not one."""
@@ -113,8 +118,7 @@ def rename_style(name: str, new: str) -> Path:
         if new in STYLES.paths() or os.path.lexists(path):
             raise OutputError(f"there is a style {new} already; choose another name")
         card = read_card(old)
-        known = dict.fromkeys((*(card.formerly or ()), card.name, name))  # a card may name another than its file
-        former = tuple(each for each in known if each != new)
+        former = tuple(each for each in dict.fromkeys((*card.names, name)) if each != new)
         atomic_write(path.with_suffix(".safetensors"), read_whole(old.with_suffix(".safetensors"), "style", LARGEST))
         write_record(card.model_copy(update={"name": new, "formerly": former}), path)
         old.unlink()
@@ -142,7 +146,6 @@ def _own_path(name: str) -> Path:
 def _other_names(path: Path) -> tuple[str, ...]:
     """Return the names that paintings may know a style by, other than that of its file."""
     try:
-        card = read_card(path)
-        return (card.name, *(card.formerly or ()))  # its own name, too: somebody may have renamed its files
+        return read_card(path).names
     except InputError:  # reported when that style itself is loaded
         return ()

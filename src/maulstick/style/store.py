@@ -80,7 +80,8 @@ def write_style(style: Fitted, source: str, folder: Path) -> Path:
 def _replace(path: Path, card: StyleCard, content: bytes, staging: Path) -> None:
     with suppress(InputError):  # there is none, or it is broken
         replaced = read_card(path)
-        card = card.model_copy(update={"title": replaced.title, "formerly": replaced.formerly})
+        former = tuple(each for each in replaced.names if each != card.name) or None
+        card = card.model_copy(update={"title": replaced.title, "formerly": former})
     new = staging / path.name
     try:
         atomic_write(new.with_suffix(".safetensors"), content)

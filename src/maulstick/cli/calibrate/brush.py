@@ -14,6 +14,7 @@ from maulstick.errors import InputError, MachineError, OutputError
 from maulstick.jobs.paint.machine_lock import machine_lock
 from maulstick.jobs.paint.options import PaintOptions
 from maulstick.jobs.paint.simulation import Simulation
+from maulstick.jobs.plan.options import USUAL_PRESSURE
 from maulstick.painting.brush import BRUSHES, Brush, load_brush
 from maulstick.painting.painting import Painting, Sheet
 from maulstick.painting.painting_file import read_painting, write_painting
@@ -32,7 +33,6 @@ if TYPE_CHECKING:
     from maulstick.robot.easel import Easel
 
 _FEWEST, _MOST = 5, 1000  # strokes: too few for a fit, and hours of drawing
-_HELD = 0.5  # pressure that stands for the one of a pen that is only lifted
 _PHOTOGRAPHS = ("each", "one")  # one after each stroke, or one of the whole sheet
 
 _fitting = partial(typer.Option, rich_help_panel="The brush and its strokes")
@@ -107,7 +107,8 @@ def brush(
     place = read_easel(easel) if easel is not None else None
     model = load_brush(like)
     if not options.simulated and model.pressure_matters and only_lifts_pen(machine(options.machine, place)):
-        model = model.held_at(_HELD).model_copy(update={"depth": (0.0, 0.0)})  # how deep it is pressed is not known
+        held = model.held_at(USUAL_PRESSURE)  # as plans for such a machine are painted
+        model = held.model_copy(update={"depth": (0.0, 0.0)})  # how deep it is pressed is not known
     sheet = _sheet(out, parse_size(size), model, style, strokes, place)
     _check_machine(out, options.machine)
     _collect(sheet, out, options, place, each=photographs == "each")

@@ -41,8 +41,10 @@ MOST_AUTO: Final = 10_000
 MOST_STROKES: Final = 100_000
 """Strokes of one plan; more would fill the memory of a usual computer."""
 
+USUAL_PRESSURE: Final = 0.5
+"""Pressure of a brush on a machine that only lifts it: half as deep as it goes, for lines of a middle width."""
+
 _USUAL_PAINTS = 12  # paints by default: as many as a person is willing to mix
-_USUAL_PRESSURE = 0.5  # half as deep as a brush goes: lines of a middle width
 _LEAST_HAND, _LARGEST_HAND = 0.02, 50.0  # times a hand's size: a stamp, a wall
 _MOST_STEPS = 1_000_000  # largest number of steps, which takes hours to days
 _FEWEST_PX, _MOST_PX = 16, 32_768  # pixels over the picture's height: a thumbnail, a mural
@@ -217,7 +219,7 @@ class PlanOptions:
     def held_pressure(self) -> float | None:
         """Pressure at which the brush is held; None where it varies."""
         if self.pressure is None and self.robot is not None and only_lifts(self.robot):
-            return _USUAL_PRESSURE
+            return USUAL_PRESSURE
         return self.pressure
 
     @property
