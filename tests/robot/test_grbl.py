@@ -3,6 +3,7 @@ import re
 import termios
 import time
 from collections.abc import Iterator
+from typing import Any, Final
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from maulstick.robot.adapters.grbl_answers import ALARMS, ERRORS, Status
 from maulstick.robot.adapters.serial_line import SerialLine
 from maulstick.robot.easel import Pen
 from maulstick.robot.limits import Limits
+from maulstick.robot.plotter import LockedError
 from maulstick.robot.robot import StoppedError
 from maulstick.robot.timing import Profile
 from maulstick.storage.arrays import Floats
@@ -189,14 +191,14 @@ GO_ON = r"then go on with paint\(\.\.\., resume=True\)$"
 FAULTS = {
     "error:20": r"refused the line 'G1X.*' with error 20: it does not support a command of G-code$",
     "error:99": r"with error 99: it does not say what that means",
-    "ALARM:1": r"raised alarm 1: a limit switch was hit and its position is lost; home it with \$H before .* "
-    r"without homing \(\$22=0\) switch it off and on with its pen at home",
-    "ALARM:2": r"raised alarm 2: a motion would leave its travel; unlock it with \$X and check where its work origin",
-    "ALARM:77": r"raised alarm 77: it does not say why; .* home it with \$H or unlock it with \$X",
+    "ALARM:1": r"raised alarm 1: a limit switch was hit and its position is lost; home it with maulstick machine "
+    r"before .* without homing \(\$22=0\) switch it off and on with its pen at home",
+    "ALARM:2": r"raised alarm 2: a motion would leave its travel; unlock it, and check where its work origin",
+    "ALARM:77": r"raised alarm 77: it does not say why; .* home or unlock it with maulstick machine",
     "noise": r"there is noise on the line to /dev/\S+ \('.*'\); check cable and ground; " + GO_ON,
     "lost": r"the line to /dev/\S+ went silent; check cable and power; " + GO_ON,
     "door": r"cannot draw: its safety door is open; close it",
-    "Grbl 1.1h ['$' for help]": r"started again by itself; check its power, and home it with \$H before .*\$22=0",
+    "Grbl 1.1h ['$' for help]": r"started again by itself; check its power, and home it with maulstick .*\$22=0",
 }
 
 
@@ -355,10 +357,54 @@ def entered(robot: Grbl) -> None:
 
 def test_a_locked_machine_is_not_unlocked_behind_its_operators_back() -> None:
     with FakeGrbl(locked=True) as device:
-        sentence = r"it is locked, as its position may be lost; home it with \$H or unlock it with \$X"
-        with pytest.raises(MachineError, match=sentence):
+        sentence = "it is locked, as its position may be lost; home or unlock it with maulstick machine, then start"
+        with pytest.raises(LockedError, match=sentence):
             entered(Grbl(device.port))
         assert "$X" not in device.lines
+
+
+WITH_SWITCHES: Final[dict[str, Any]] = {"settings": SETTINGS | {22: 1}, "origin": (-100.0, -100.0, -20.0)}
+"""Of a Grbl that finds its home."""
+
+
+def test_a_machine_that_finds_home_by_its_switches_is_unlocked_and_waited_for() -> None:
+    with FakeGrbl(locked=True, homing=0.5, start=(-70.0, -60.0, -20.0), **WITH_SWITCHES) as device:
+        robot = Grbl(device.port, patience=0.3)
+        robot.find_home()
+        assert device.state == "Idle"
+        with robot:
+            assert robot.place == pytest.approx((0.099, 0.099, 0.019))
+
+
+def test_a_machine_is_unlocked_where_it_stands() -> None:
+    with FakeGrbl(locked=True, start=(20.0, 10.0, 0.0)) as device:
+        robot = Grbl(device.port)
+        robot.unlock()
+        with robot:
+            assert robot.place[:2] == pytest.approx((0.02, 0.01))
+
+
+def test_a_machine_without_switches_is_not_homed_but_stays_locked() -> None:
+    with FakeGrbl(locked=True) as device:
+        with pytest.raises(InputError, match=r"has no switches to find home by \(\$22=0\); unlock it if its pen"):
+            Grbl(device.port).find_home()
+        assert (device.state, "$H" in device.lines) == ("Alarm", False)
+
+
+def test_a_search_for_home_that_takes_too_long_is_stopped() -> None:
+    short = {"settings": SETTINGS | {22: 1, 25: 1e6, 24: 1e6}}
+    with FakeGrbl(locked=True, homing=60.0, **short) as device:
+        with pytest.raises(MachineError, match="went silent"):
+            Grbl(device.port, patience=0.3).find_home()
+        assert device.state == "Alarm"
+
+
+def test_a_machine_that_does_not_tell_how_long_its_way_home_is_is_not_homed() -> None:
+    told = {number: value for number, value in SETTINGS.items() if number != 25} | {22: 1}
+    with FakeGrbl(locked=True, settings=told) as device:
+        with pytest.raises(MachineError, match=r"did not tell its setting \$25"):
+            Grbl(device.port).find_home()
+        assert "$H" not in device.lines
 
 
 @pytest.mark.parametrize(

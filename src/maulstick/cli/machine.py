@@ -21,6 +21,8 @@ from maulstick.painting.raster import parse_size
 from maulstick.robot import machines
 from maulstick.robot.bench import Bench
 from maulstick.robot.easel import Easel, read_easel, write_easel
+from maulstick.robot.plotter import LockedError, LocksItself
+from maulstick.robot.robot import Robot
 from maulstick.robot.workplace import PUT_HOME, is_away
 
 _STEPS: Final = {"1": (1e-2, 0.05), "2": (1e-3, 0.01), "3": (1e-4, 0.002)}  # metres, and shares of a servo's range
@@ -64,7 +66,8 @@ def machine(
     """Move a machine with keys, set where the sheet begins and how high the pen is, and try both.
 
     Arrow keys move the lifted pen, Page Up and Page Down its height where no servo lifts it; 1, 2 and 3 set the step to
-    10, 1 or 0.1 mm. Ctrl-C stops at once and lifts the pen; ? lists all keys.
+    10, 1 or 0.1 mm. Ctrl-C stops at once and lifts the pen; ? lists all keys. A Grbl that has locked itself is homed or
+    unlocked first.
 
     Example: maulstick machine grbl:/dev/ttyUSB0 --size A4-landscape
     """
@@ -91,13 +94,15 @@ def machine(
         entered = False
         try:
             while not session.over:
-                with robot:
-                    entered = True
-                    session.attend(keys)
-                if session.let_go:
-                    session.say("the motors are off: push the pen to its home corner by hand, and press a key")
-                    next(keys, "")
-                    session.let_go = False
+                try:
+                    with robot:
+                        entered = True
+                        session.attend(keys)
+                except LockedError:
+                    if entered or not isinstance(robot, LocksItself):
+                        raise
+                    session.attend_locked(robot, keys)
+                session.do_outside(robot, keys)
         except (MachineError, KeyboardInterrupt):
             if entered:
                 session.say(stopped(robot))
@@ -112,7 +117,8 @@ class _Session:
     """Keys that are pressed, and what the machine does then.
 
     step: metres, and share of a servo's range, per key.  over: whether the operator left.
-    let_go: whether the motors were switched off, so that the machine has to be entered again.
+    let_go: whether the motors were switched off; find_home: whether home is to be found; the machine has to be entered
+    again after either.
     """
 
     console: Console
@@ -121,6 +127,7 @@ class _Session:
     step: tuple[float, float] = _STEPS["2"]
     over: bool = False
     let_go: bool = False
+    find_home: bool = False
     _asked_to_replace: bool = field(default=False, init=False)
 
     def attend(self, keys: Iterator[str]) -> None:
@@ -137,12 +144,41 @@ class _Session:
             except (InputError, OutputError) as error:
                 self.say(COMMAND_LINE.say(error))
             else:
-                if not (self.over or self.let_go):
-                    self.console.print(self._where(), end="\r")
+                if self._leaves:
+                    return
+                self.console.print(self._where(), end="\r")
             self._asked_to_replace &= key == "w"
-            if self.over or self.let_go:
+        raise _nobody()
+
+    def attend_locked(self, robot: LocksItself, keys: Iterator[str]) -> None:
+        """Find home or unlock the machine as the keys say, or leave."""
+        self.say("the machine is locked, as its place may be lost")
+        self.say("f finds home by its switches: see that its way is free and the pen off the paper")
+        self.say("u unlocks it, if the pen stands where it was left; q leaves")
+        for key in keys:
+            if key == "u":
+                robot.unlock()
+            self.find_home, self.over = key == "f", key == "q"
+            if key in ("u", "f", "q"):
                 return
-        raise InputError("nobody is at the keyboard; run it in a terminal")
+        raise _nobody()
+
+    def do_outside(self, robot: Robot, keys: Iterator[str]) -> None:
+        """Do what the machine must not be entered for."""
+        if self.let_go:
+            self.say("the motors are off: push the pen to its home corner by hand, and press a key")
+            next(keys, "")
+        if self.find_home and isinstance(robot, LocksItself):
+            self.say("finding home; Ctrl-C stops it")
+            try:
+                robot.find_home()
+            except InputError as error:
+                self.say(COMMAND_LINE.say(error))
+        self.let_go = self.find_home = False
+
+    @property
+    def _leaves(self) -> bool:
+        return self.over or self.let_go or self.find_home
 
     def say(self, sentence: str) -> None:
         """Print a sentence for the operator."""
@@ -167,6 +203,10 @@ class _Session:
             return f"x {x:.1f}  y {y:.1f}  z {z:.1f} mm, pen {at}, step {1e3 * self.step[0]:g} mm   "
         at, number = ("up", servo.pen.up) if robot.lifted else ("down", servo.pen.down)
         return f"x {x:.1f}  y {y:.1f} mm, pen {at} at {number:g}, step {1e3 * self.step[0]:g} mm   "
+
+
+def _nobody() -> InputError:
+    return InputError("nobody is at the keyboard; run it in a terminal")
 
 
 def _jogs(axis: int, sign: int) -> Callable[[_Session, Bench], None]:
@@ -208,6 +248,13 @@ def _let_go(session: _Session, bench: Bench) -> None:
     session.let_go = True
 
 
+def _find_home(session: _Session, bench: Bench) -> None:
+    if not isinstance(bench.robot, LocksItself):
+        raise InputError("this machine has no switches to find its home by")
+    bench.lift()
+    session.find_home = True
+
+
 def _list_keys(session: _Session, bench: Bench) -> None:
     for key, (label, _) in KEYS.items():
         session.say(f"  {key:>8}  {label}")
@@ -236,6 +283,7 @@ KEYS: Final[dict[str, tuple[str, Callable[[_Session, Bench], None]]]] = {
     "t": ("draw a test square of 20 mm from here", lambda session, bench: bench.square()),
     "o": ("the sheet's corner is here: a Grbl's lower left one, others' upper left one", _corner),
     "z": ("the paper is at this height", _paper),
+    "f": ("find home by a Grbl's switches", _find_home),
     "m": ("motors off", _let_go),
     "w": ("write the easel with the corner and the pen's numbers", _Session.write),
     "?": ("list the keys", _list_keys),

@@ -1,10 +1,33 @@
-"""What some plotters can do: let their motors go, keep an origin, set the servo of the pen, change speed at once."""
+"""What some plotters can do: find home, let their motors go, keep an origin, set the pen's servo, change speed."""
 
 from abc import abstractmethod
 from typing import Literal
 
+from maulstick.errors import MachineError
 from maulstick.robot.easel import Pen
 from maulstick.robot.robot import Robot
+
+
+class LockedError(MachineError):
+    """A machine has locked itself, as its place may be lost."""
+
+
+class LocksItself(Robot):
+    """Machine that locks itself where its place may be lost: entering it raises LockedError.
+
+    Both ways out are for a machine that is not entered.
+    """
+
+    @abstractmethod
+    def find_home(self) -> None:
+        """Move to the switches by which the machine finds its home, which unlocks it.
+
+        Raises InputError where it has none, and MachineError where it does not find them.
+        """
+
+    @abstractmethod
+    def unlock(self) -> None:
+        """Unlock the machine, which takes its place to be where it says."""
 
 
 class LetsGo(Robot):

@@ -22,7 +22,7 @@ from maulstick.storage.arrays import Floats
 PUT_HOME: Final = "unplug power and USB, push the pen to its home corner, and plug both in again"
 """What helps a machine that has lost count of its steps."""
 
-_FIND_HOME = "home it with $H"  # of one that finds its place at switches, which only a Grbl does
+_FIND_HOME = "home it with maulstick machine"  # of one that finds its place at switches, which only a Grbl does
 
 _AT_HOME = 1e-4  # metres: covers rounding to steps or decimals
 

@@ -88,7 +88,7 @@ def test_a_grbl_that_homes_by_itself_is_to_do_so_where_its_pen_stands_elsewhere_
         ran = paint(monkeypatch, "\n\n", three, *robot, "--resume")
         assert ran.code == 0, ran.stderr
         assert f"{ASKED} 10 mm from the left" in ran.stderr
-        assert "(elsewhere: stop, home it with $H)" in " ".join(ran.stderr.split())
+        assert "(elsewhere: stop, home it with maulstick machine)" in " ".join(ran.stderr.split())
 
 
 def test_a_grbl_asks_as_well_and_once_for_all_copies(three: Path, monkeypatch: pytest.MonkeyPatch) -> None:

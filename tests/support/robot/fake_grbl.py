@@ -25,11 +25,13 @@ SENDER_WAITS = 0.1  # seconds of the wall without a byte: on a busy machine a se
 BYTE = 10 / 115200  # seconds on the wire
 ANSWER = 1e-3  # seconds from the end of what a line waited for until its ok is read
 LAST_SEGMENT = 5e-3  # seconds: motions are stepped in segments of 10 ms, and begin and end with a part of one
+PULL_OFF = 1.0  # millimetres that it stands off its switches, $27
 HELD = 255  # as $1: the motors are never let go
 CRITICAL = ("ALARM:1", "ALARM:2")  # nothing but a reset is heard after these
 
 SETTINGS: dict[int, float] = {
-    1: 25, 10: 1, 11: 0.01, 12: 0.002, 13: 0, 20: 0, 21: 0, 22: 0, 23: 0, 30: 1000, 31: 0, 32: 0,
+    1: 25, 10: 1, 11: 0.01, 12: 0.002, 13: 0, 20: 0, 21: 0, 22: 0, 23: 0, 24: 25, 25: 500, 27: PULL_OFF,
+    30: 1000, 31: 0, 32: 0,
     100: 80, 101: 80, 102: 400, 110: 6000, 111: 6000, 112: 1200,
     120: 400, 121: 400, 122: 400, 130: 300, 131: 220, 132: 60,
 }  # fmt: skip
@@ -43,6 +45,7 @@ class FakeGrbl:
 
     A fault is an answer like error:20 or ALARM:1, or `silent`, `closed`, `noise`, `lost` (an ok), `door`.
     delay: seconds of the wall that every answer is late.  lost_reports: the first so many come with noise.
+    homing: seconds of the wall that finding home takes, in which nothing but a reset is heard.
     """
 
     settings: dict[int, float] = field(default_factory=lambda: dict(SETTINGS))
@@ -56,6 +59,7 @@ class FakeGrbl:
     options: str = "V"  # with which it was built
     banner: str = "Grbl 1.1h ['$' for help]"
     locked: bool = False
+    homing: float = 0.0
 
     lines: list[str] = field(default_factory=list)
     seconds: float = 0.0  # of its own time while it was not idle
@@ -75,6 +79,7 @@ class FakeGrbl:
         self._state = "Alarm" if self.locked else "Idle"
         self._answers: deque[tuple[float, bytes]] = deque()
         self._silent = self._ending = False
+        self._home_at: float | None = None  # when home is found
         self._g_lines = 0
         self._forget()
         self._thread = threading.Thread(target=self._live, daemon=True)
@@ -133,6 +138,11 @@ class FakeGrbl:
                 self._say()
             except OSError:
                 continue
+            if self._home_at is not None and time.monotonic() >= self._home_at:
+                self._home_at, self._state = None, "Idle"
+                self._motion.place = (-PULL_OFF, -PULL_OFF, -PULL_OFF)
+                self._forget()
+                self._tell("ok")
             self._read_lines()
             now = time.monotonic()
             if self._may_run(now - heard):
@@ -148,7 +158,7 @@ class FakeGrbl:
     def _take(self, came: bytes) -> None:
         for byte in came:
             letter = bytes([byte])
-            if self._blocked and letter != b"\x18":
+            if (self._blocked or self._home_at is not None) and letter != b"\x18":
                 continue
             if letter == b"?":
                 self._report()
@@ -205,14 +215,15 @@ class FakeGrbl:
         self._rate = 0.0
 
     def _reset(self) -> None:
-        moving = self._state in ("Run", "Hold:1")
+        moving, homing = self._state in ("Run", "Hold:1"), self._home_at is not None
+        self._home_at = None
         self._forget()
         self._unread = b""
         self.servo, self.override = 0.0, 100
         self._answers.clear()
-        if moving:
+        if moving or homing:
             self._state = "Alarm"
-            self._tell("ALARM:3")
+            self._tell("ALARM:6" if homing else "ALARM:3")
         elif self._state != "Alarm":
             self._state = "Idle"
         self._tell(self.banner)
@@ -288,6 +299,12 @@ class FakeGrbl:
             self._tell(fault)
 
     def _system(self, line: str) -> None:
+        if line == "$H":
+            if not self.settings[22]:
+                self._tell("error:5")
+                return
+            self._state, self._home_at = "Home", time.monotonic() + self.homing
+            return
         if line == "$$":
             for number, value in self.settings.items():
                 self._tell(f"${number}={value:.3f}" if value != int(value) or number > 99 else f"${number}={value:.0f}")

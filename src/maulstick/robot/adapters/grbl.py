@@ -1,19 +1,25 @@
 """Plotters and small machines that run Grbl 1.1, over a serial port."""
 
-from contextlib import suppress
+from contextlib import closing, suppress
 from typing import Literal, final
 
 import numpy as np
 from pydantic import ValidationError
 
 from maulstick.errors import InputError, MachineError, validation_fault
-from maulstick.robot.adapters.grbl_answers import is_zero_at_switches, own_limits, settings_of, work_origin
+from maulstick.robot.adapters.grbl_answers import (
+    homing_seconds,
+    is_zero_at_switches,
+    own_limits,
+    settings_of,
+    work_origin,
+)
 from maulstick.robot.adapters.grbl_stream import HOLD, GrblStream
 from maulstick.robot.adapters.serial_line import SerialLine
 from maulstick.robot.easel import Easel, Pen
 from maulstick.robot.export.gcode import Gcode
 from maulstick.robot.limits import Limits
-from maulstick.robot.plotter import HasServo, KeepsOrigin, LetsGo, OverridesSpeed
+from maulstick.robot.plotter import HasServo, KeepsOrigin, LetsGo, LocksItself, OverridesSpeed
 from maulstick.robot.stopping import Stopping
 from maulstick.storage.arrays import Floats
 
@@ -26,7 +32,7 @@ _FACTORY = Limits(  # of Grbl as it ships, until the machine has told its own
 
 
 @final
-class Grbl(KeepsOrigin, LetsGo, HasServo, OverridesSpeed):
+class Grbl(KeepsOrigin, LetsGo, LocksItself, HasServo, OverridesSpeed):
     """Machine with Grbl 1.1, in its work coordinates (G54): lower left corner of the sheet at (0, 0), paper at 0.
 
     address: the port, as /dev/ttyUSB0 or /dev/ttyUSB0@115200.  pen: servo of its pen; None where it lifts by height.
@@ -91,6 +97,31 @@ class Grbl(KeepsOrigin, LetsGo, HasServo, OverridesSpeed):
         self._pen, self._gcode = pen, Gcode("grbl", self.limits, pen)
         self._do(self._set_servo)
 
+    def find_home(self) -> None:
+        """As in `LocksItself`, by $H. An interruption stops it, and leaves it locked."""
+        with closing(SerialLine(self._port, self._baud)) as line:
+            settings = settings_of(self._reset(line).ask("$$"))
+            try:
+                at_switches, seconds = settings[22], homing_seconds(settings)
+            except KeyError as error:
+                raise self._untold(error) from error
+            if not at_switches:
+                raise InputError(
+                    f"the Grbl on {self._port} has no switches to find home by ($22=0); unlock it if its pen stands "
+                    "where it did, or else switch it off and on with its pen at home"
+                )
+            try:
+                GrblStream(line, self._patience + seconds, Stopping()).ask("$H")  # it tells nothing meanwhile
+            except BaseException:
+                with suppress(MachineError):
+                    self._reset(line)
+                raise
+
+    def unlock(self) -> None:
+        """As in `LocksItself`, by $X."""
+        with closing(SerialLine(self._port, self._baud)) as line:
+            self._reset(line).ask("$X")
+
     def let_go(self) -> None:
         """Raise InputError, since Grbl 1.1 cannot switch its motors off and keep its place."""
         raise InputError(
@@ -116,6 +147,12 @@ class Grbl(KeepsOrigin, LetsGo, HasServo, OverridesSpeed):
         self._stream.reset()
         self._stream.status()
         self._take_settings()
+
+    def _reset(self, line: SerialLine) -> GrblStream:
+        """Return the stream of a line whose Grbl has been reset."""
+        stream = GrblStream(line, self._patience, Stopping())
+        stream.reset()
+        return stream
 
     def _close(self) -> None:
         if self._line is not None:
@@ -189,12 +226,15 @@ class Grbl(KeepsOrigin, LetsGo, HasServo, OverridesSpeed):
             own = own_limits(settings, origin, self._pen, at_switches)
             self.limits = own if self._narrower is None else own.narrowed(self._narrower)
         except KeyError as error:
-            raise MachineError(f"the Grbl on {self._port} did not tell its setting ${error}; start again") from error
+            raise self._untold(error) from error
         except ValidationError as error:
             raise InputError(
                 f"the settings of the Grbl on {self._port} leave no limits: {validation_fault(error)}"
             ) from error
         self._origin = origin
+
+    def _untold(self, error: KeyError) -> MachineError:
+        return MachineError(f"the Grbl on {self._port} did not tell its setting ${error}; start again")
 
     def _check_modes(self, settings: dict[int, float]) -> None:
         """Raise MachineError for settings that would make commands mean something else, InputError for a wrong pen."""

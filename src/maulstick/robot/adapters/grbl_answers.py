@@ -19,6 +19,9 @@ _ANSWER = 5e-3, 4e-3  # seconds from the end of a motion, or of lifting a servo,
 _NUMBER = r"-?\d+(?:\.\d+)?"
 _TRIPLE = rf"({_NUMBER},{_NUMBER},{_NUMBER})"
 
+UNLOCK: Final = "maulstick machine"
+"""The command that homes and unlocks a Grbl."""
+
 ERRORS: Final = {
     1: "a word of G-code has no letter",
     2: "a number is missing or cannot be read",
@@ -28,7 +31,7 @@ ERRORS: Final = {
     6: "its step pulses are shorter than 3 microseconds; set $0 to 3 or more",
     7: "it could not read its memory and took the factory settings; check $$",
     8: "it takes that $ command only when idle",
-    9: "it takes no G-code while it is locked; unlock with $X or home with $H",
+    9: f"it takes no G-code while it is locked; home or unlock it with {UNLOCK}",
     10: "soft limits need homing; set $22=1 or $20=0",
     11: "a line was too long for it",
     12: "a setting asks for more steps per second than it can make",
@@ -59,13 +62,13 @@ ERRORS: Final = {
 }
 
 HOME: Final = (
-    "home it with $H before it draws again, or without homing ($22=0) switch it off and on with its pen at home"
+    f"home it with {UNLOCK} before it draws again, or without homing ($22=0) switch it off and on with its pen at home"
 )
 """What helps a Grbl that has lost its place."""
 
 ALARMS: Final = {
     1: f"a limit switch was hit and its position is lost; {HOME}",
-    2: "a motion would leave its travel; unlock it with $X and check where its work origin lies",
+    2: f"a motion would leave its travel; unlock it, and check where its work origin lies, with {UNLOCK}",
     3: f"it was reset while it moved and its position is lost; {HOME}",
     4: "the probe was not in its first state",
     5: "the probe touched nothing",
@@ -103,6 +106,15 @@ def settings_of(lines: Iterable[str]) -> dict[int, float]:
     """Return the settings in the answer to $$, by their numbers; other lines are left out."""
     found = (re.fullmatch(rf"\$(\d+)=({_NUMBER})", line) for line in lines)
     return {int(setting[1]): float(setting[2]) for setting in found if setting is not None}
+
+
+def homing_seconds(settings: dict[int, float]) -> float:
+    """Return how long finding home takes at most: z, and then x and y, go half as far again as their travels ($130 on).
+
+    Each is sought at $25, and once more at $24 within five times the pull-off $27.
+    """
+    travel = max(settings[130], settings[131], settings[132])
+    return 2 * 60 * (1.5 * travel / settings[25] + 10 * settings[27] / settings[24])
 
 
 def work_origin(lines: Iterable[str]) -> Floats | None:

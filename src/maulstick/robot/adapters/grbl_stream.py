@@ -9,8 +9,9 @@ import time
 from typing import Final, final
 
 from maulstick.errors import MachineError, Remedy
-from maulstick.robot.adapters.grbl_answers import ALARMS, ERRORS, HOME, Status
+from maulstick.robot.adapters.grbl_answers import ALARMS, ERRORS, HOME, UNLOCK, Status
 from maulstick.robot.adapters.serial_line import Patience, SerialLine
+from maulstick.robot.plotter import LockedError
 from maulstick.robot.robot import StoppedError
 from maulstick.robot.stopping import Stopping
 
@@ -33,7 +34,7 @@ _UNABLE = {
     "Door": "its safety door is open; close it",
     "Check": "it only checks G-code; send $C, then start again",
     "Sleep": "it sleeps; reset it, then start again",
-    "Alarm": "it is locked, as its position may be lost; home it with $H or unlock it with $X, then start again",
+    "Alarm": f"it is locked, as its position may be lost; home or unlock it with {UNLOCK}, then start again",
 }
 
 
@@ -203,8 +204,8 @@ class GrblStream:
     def _check(self, status: Status) -> None:
         state = status.state.split(":")[0]
         if (reason := _UNABLE.get(state)) is not None:
-            remedy = Remedy.GO_ON if state == "Door" else None
-            raise MachineError(f"the Grbl on {self._line.port} cannot draw: {reason}", remedy)
+            kind, remedy = LockedError if state == "Alarm" else MachineError, Remedy.GO_ON if state == "Door" else None
+            raise kind(f"the Grbl on {self._line.port} cannot draw: {reason}", remedy)
 
     def _starts(self) -> bool:
         """Return whether Grbl greets in time. Raises MachineError where it is not version 1.1."""
