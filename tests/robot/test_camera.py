@@ -1,3 +1,4 @@
+import os
 import shutil
 import threading
 import time
@@ -116,6 +117,14 @@ def test_a_telephone_may_send_its_own_kind_of_picture_into_the_folder(tmp_path: 
         shutil.copy(taken, tmp_path / "IMG_0001.HEIC")
 
     np.testing.assert_array_equal(open_camera(f"folder:{tmp_path}", send).photograph(), read_picture(taken))
+
+
+def test_a_camera_may_write_all_its_pictures_into_one_file(tmp_path: Path) -> None:
+    latest = tmp_path / "latest.png"
+    _picture(50).save(latest)
+    os.utime(latest, (0, 0))
+    camera = open_camera(f"folder:{tmp_path}", lambda _: _picture(51).save(latest))
+    assert camera.photograph().mean() * 255 == pytest.approx(51)
 
 
 def test_whoever_takes_the_picture_is_told_when_a_folder_waits_for_one(tmp_path: Path) -> None:

@@ -24,7 +24,7 @@ _STALE = 5
 _WIDEST = 10_000
 """Width and height in pixels that a driver is asked for; it takes the largest that it has."""
 
-_POLL = 0.1  # seconds between two looks into a folder; a file of the same size twice is complete
+_POLL = 0.1  # seconds between two looks into a folder; a file that is the same twice is complete
 _ENDINGS = (".jpg", ".jpeg", ".png", ".heic", ".heif", ".tif", ".tiff", ".webp", ".bmp")  # of pictures
 
 
@@ -93,7 +93,7 @@ class UsbCamera(Camera):
 
 @final
 class WatchedFolder(Camera):
-    """Any camera that saves its pictures into a folder: a photograph is the next new file there.
+    """Any camera that saves its pictures into a folder: a photograph is the next file that is new there, or written anew.
 
     patience: seconds until a file must be there and complete.  tell: called with a sentence for whoever takes the
     picture, once it is waited for.  Raises InputError where there is no such folder.
@@ -112,34 +112,35 @@ class WatchedFolder(Camera):
         """Do nothing: a folder is not held open."""
 
     def _take(self) -> Image:
-        old, sizes = set(self._sizes()), dict[Path, int]()
+        old = before = self._saved()
         doubt = "let the camera save its pictures there"
         self._tell(f"a new photograph of the sheet is waited for in {self._folder}, for {self._patience:g} s")
         deadline = time.monotonic() + self._patience
         while time.monotonic() < deadline:
             time.sleep(_POLL)
-            before, sizes = sizes, self._sizes()
-            for path in sorted(sizes.keys() - old):
-                if sizes[path] == before.get(path):  # else it is still being written
-                    try:
-                        return read_picture(path)
-                    except InputError as error:
-                        doubt = str(error)
+            saved = self._saved()
+            for path, _ in sorted((saved.items() & before.items()) - old.items()):  # what changes is still being written
+                try:
+                    return read_picture(path)
+                except InputError as error:
+                    doubt = str(error)
+            before = saved
         raise CameraError(f"no new picture came into {self._folder} within {self._patience:g} s; {doubt}")
 
-    def _sizes(self) -> dict[Path, int]:
-        """Return the pictures in the folder and their sizes in bytes."""
+    def _saved(self) -> dict[Path, tuple[int, int]]:
+        """Return the pictures in the folder, with their sizes in bytes, and when each was written, nanoseconds."""
         try:
             files = list(self._folder.iterdir())
         except OSError as error:
             reason = f"{error.strerror}; make it again, and go on"
             raise CameraError(f"cannot look into the folder {self._folder}: {reason}") from error
-        sizes = {}
+        saved = {}
         for path in files:
             if path.suffix.lower() in _ENDINGS and path.name[0] != ".":
                 with suppress(OSError):  # it was renamed meanwhile
-                    sizes[path] = path.stat().st_size
-        return sizes
+                    found = path.stat()
+                    saved[path] = found.st_size, found.st_mtime_ns
+        return saved
 
 
 def open_camera(spec: str, tell: Callable[[str], None] = lambda sentence: None) -> Camera:
