@@ -12,7 +12,7 @@ from maulstick.robot.easel import Easel, Pen, read_easel, write_easel
 from maulstick.robot.logbook import logbook_path
 from tests.cli.conftest import Ran, Running, run
 from tests.support.robot.fake_ebb import FakeEbb
-from tests.support.robot.fake_grbl import SETTINGS, FakeGrbl
+from tests.support.robot.fake_grbl import WITH_SWITCHES, FakeGrbl
 from tests.support.robot.recorder import Recorder
 from tests.support.robot.small_paintings import SIX
 
@@ -98,21 +98,19 @@ def test_a_file_that_is_there_is_replaced_where_w_is_pressed_twice(ebb: FakeEbb,
 
 
 def test_a_locked_grbl_is_homed_or_unlocked_before_it_moves_or_left_as_it_is(terminal: int) -> None:
-    switches = {"settings": SETTINGS | {22: 1}, "origin": (-100.0, -100.0, -20.0), "start": (-50.0, -50.0, -10.0)}
     for keys, place in {"xf" + LEFT + "q": (-2, -1, -1), "u" + LEFT + "q": (-51, -50, -10)}.items():
-        with FakeGrbl(pace=1000.0, locked=True, **switches) as device:
+        with FakeGrbl(pace=1000.0, locked=True, **WITH_SWITCHES) as device:
             ran = on(device, terminal, keys)
             assert ran.code == 0, ran.stderr
             assert device.place == pytest.approx(place)
             assert "the machine is locked, as its place may be lost" in ran.stderr
-    with FakeGrbl(locked=True, **switches) as device:
+    with FakeGrbl(locked=True, **WITH_SWITCHES) as device:
         assert on(device, terminal, "q").code == 0
         assert device.state == "Alarm"
 
 
 def test_a_grbl_finds_home_whenever_it_is_asked_and_its_pen_is_lifted_before(terminal: int) -> None:
-    switches = {"settings": SETTINGS | {22: 1}, "origin": (-100.0, -100.0, -20.0), "start": (-50.0, -50.0, -10.0)}
-    with FakeGrbl(pace=1000.0, **switches) as device:
+    with FakeGrbl(pace=1000.0, **WITH_SWITCHES) as device:
         ran = on(device, terminal, "p" + "f" + LEFT + "q")
         assert ran.code == 0, ran.stderr
         assert device.place == pytest.approx((-2, -1, -1))

@@ -3,7 +3,6 @@ import re
 import termios
 import time
 from collections.abc import Iterator
-from typing import Any, Final
 
 import numpy as np
 import pytest
@@ -20,7 +19,7 @@ from maulstick.robot.plotter import LockedError
 from maulstick.robot.robot import StoppedError
 from maulstick.robot.timing import Profile
 from maulstick.storage.arrays import Floats
-from tests.support.robot.fake_grbl import CRITICAL, SETTINGS, FakeGrbl
+from tests.support.robot.fake_grbl import CRITICAL, SETTINGS, WITH_SWITCHES, FakeGrbl
 from tests.support.robot.under_way import once
 from tests.support.tolerances import CLOCK, GCODE_METRES
 
@@ -363,12 +362,8 @@ def test_a_locked_machine_is_not_unlocked_behind_its_operators_back() -> None:
         assert "$X" not in device.lines
 
 
-WITH_SWITCHES: Final[dict[str, Any]] = {"settings": SETTINGS | {22: 1}, "origin": (-100.0, -100.0, -20.0)}
-"""Of a Grbl that finds its home."""
-
-
 def test_a_machine_that_finds_home_by_its_switches_is_unlocked_and_waited_for() -> None:
-    with FakeGrbl(locked=True, homing=0.5, start=(-70.0, -60.0, -20.0), **WITH_SWITCHES) as device:
+    with FakeGrbl(locked=True, homing=0.5, **WITH_SWITCHES) as device:
         robot = Grbl(device.port, patience=0.3)
         robot.find_home()
         assert device.state == "Idle"

@@ -17,7 +17,7 @@ from maulstick.studio.state.folder import Folder
 from maulstick.studio.workers.by_hand import Deed, Jog, SetServo, Word
 from maulstick.studio.workers.svg_work import read_svg
 from tests.support.robot.fake_ebb import FakeEbb
-from tests.support.robot.fake_grbl import FakeGrbl
+from tests.support.robot.fake_grbl import WITH_SWITCHES, FakeGrbl
 from tests.support.studio.drawings import BOAT
 from tests.support.studio.plans_to_paint import put_plan
 
@@ -110,6 +110,62 @@ def test_what_cannot_be_done_is_said_and_the_next_word_works(tmp_path: Path) -> 
 
     with FakeGrbl(pace=1000.0) as device:
         run(set_up)
+
+
+@pytest.mark.parametrize(("first", "x"), [(Deed.FIND_HOME, 0.099), (Deed.UNLOCK, 0.05)])
+def test_a_locked_machine_finds_home_or_is_unlocked_and_finds_home_whenever_it_is_asked(
+    tmp_path: Path, first: Deed, x: float
+) -> None:
+    async def set_up() -> None:
+        async with in_hand(tmp_path / "studio", device) as hand:
+            assert (hand.state.phase, hand.state.standing) == ("locked", None)
+            assert hand.state.sentence.startswith("The machine is locked, as its place may be lost.")
+            await do(hand, Jog(0, 0.01))
+            assert hand.state.phase == "locked"
+            await do(hand, first)
+            assert hand.state.standing is not None
+            assert hand.state.standing.finds_home
+            assert hand.state.standing.place[0] == pytest.approx(x)
+            await do(hand, Jog(0, -0.01), Deed.LOWER, Deed.FIND_HOME)
+            assert hand.state.standing.place[0] == pytest.approx(0.099)
+            assert not hand.state.fault
+            await do(hand, Deed.LEAVE)
+
+    with FakeGrbl(pace=1000.0, locked=True, **WITH_SWITCHES) as device:
+        run(set_up)
+
+
+@pytest.mark.parametrize(("last", "state"), [(Deed.UNLOCK, "Idle"), (Deed.LEAVE, "Alarm")])
+def test_a_locked_machine_without_switches_says_so_and_can_be_unlocked_or_left(
+    tmp_path: Path, last: Deed, state: str
+) -> None:
+    async def set_up() -> None:
+        async with in_hand(tmp_path / "studio", device) as hand:
+            await do(hand, Deed.FIND_HOME)
+            assert (hand.state.phase, hand.state.fault) == ("locked", True)
+            assert "has no switches to find home by" in hand.state.sentence
+            await do(hand, last)
+            assert hand.is_on == (last is Deed.UNLOCK)
+
+    with FakeGrbl(pace=1000.0, locked=True) as device:
+        run(set_up)
+        assert device.state == state
+
+
+def test_a_stop_ends_a_search_for_home(tmp_path: Path) -> None:
+    async def set_up() -> None:
+        async with in_hand(tmp_path / "studio", device) as hand:
+            hand.do(Deed.FIND_HOME)
+            async with asyncio.timeout(PATIENCE):
+                while device.state != "Home":
+                    await asyncio.sleep(0.02)
+            hand.stop()
+            await rest(hand)
+            assert (hand.is_on, hand.state.sentence) == (False, "You stopped it.")
+
+    with FakeGrbl(locked=True, homing=3600.0, **WITH_SWITCHES) as device:
+        run(set_up)
+        assert device.state == "Alarm"
 
 
 def test_a_stop_lifts_the_pen_and_ends_it(tmp_path: Path) -> None:

@@ -22,7 +22,7 @@ class LocksItself(Robot):
     def find_home(self) -> None:
         """Move to the switches by which the machine finds its home, which unlocks it.
 
-        Raises InputError where it has none, and MachineError where it does not find them.
+        Raises InputError where it has none, MachineError where it does not find them, and StoppedError after `stop`.
         """
 
     @abstractmethod

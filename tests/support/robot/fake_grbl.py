@@ -15,7 +15,7 @@ import tty
 from collections import deque
 from dataclasses import dataclass, field
 from types import TracebackType
-from typing import Self
+from typing import Any, Self
 
 from tests.support.robot.grbl_motion import TICK, GrblMotion, Vector
 
@@ -35,6 +35,13 @@ SETTINGS: dict[int, float] = {
     100: 80, 101: 80, 102: 400, 110: 6000, 111: 6000, 112: 1200,
     120: 400, 121: 400, 122: 400, 130: 300, 131: 220, 132: 60,
 }  # fmt: skip
+
+WITH_SWITCHES: dict[str, Any] = {
+    "settings": SETTINGS | {22: 1},
+    "origin": (-100.0, -100.0, -20.0),
+    "start": (-50.0, -50.0, -10.0),
+}
+"""Of a Grbl that finds its home by switches, and stands elsewhere."""
 
 
 @dataclass

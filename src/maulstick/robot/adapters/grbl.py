@@ -98,7 +98,7 @@ class Grbl(KeepsOrigin, LetsGo, LocksItself, HasServo, OverridesSpeed):
         self._do(self._set_servo)
 
     def find_home(self) -> None:
-        """As in `LocksItself`, by $H. An interruption stops it, and leaves it locked."""
+        """As in `LocksItself`, by $H. What interrupts it stops the machine, and leaves it locked."""
         with closing(SerialLine(self._port, self._baud)) as line:
             settings = settings_of(self._reset(line).ask("$$"))
             try:
@@ -111,7 +111,7 @@ class Grbl(KeepsOrigin, LetsGo, LocksItself, HasServo, OverridesSpeed):
                     "where it did, or else switch it off and on with its pen at home"
                 )
             try:
-                GrblStream(line, self._patience + seconds, Stopping()).ask("$H")  # it tells nothing meanwhile
+                GrblStream(line, self._patience + seconds, self._stopping).find_home()
             except BaseException:
                 with suppress(MachineError):
                     self._reset(line)

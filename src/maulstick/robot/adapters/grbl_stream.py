@@ -119,6 +119,14 @@ class GrblStream:
             self._hear()
         return self._told.copy()
 
+    def find_home(self) -> None:
+        """Find home by switches, raising StoppedError as `run`. Grbl tells nothing meanwhile; a reset stops it."""
+        self._send("$H")
+        while self._waiting:
+            if self._stopping.is_set():
+                raise StoppedError
+            self._hear()
+
     def run(self, lines: list[str]) -> None:
         """Send lines; returns once their motions have ended, not only been read."""
         for line in [*lines, "G4 P0"]:  # a pause of no time is answered once all motions before it have ended

@@ -93,7 +93,7 @@ class UsbCamera(Camera):
 
 @final
 class WatchedFolder(Camera):
-    """Any camera that saves its pictures into a folder: a photograph is the next file that is new there, or written anew.
+    """Any camera that saves its pictures into a folder: a photograph is the next file that is new or written anew.
 
     patience: seconds until a file must be there and complete.  tell: called with a sentence for whoever takes the
     picture, once it is waited for.  Raises InputError where there is no such folder.
@@ -119,7 +119,7 @@ class WatchedFolder(Camera):
         while time.monotonic() < deadline:
             time.sleep(_POLL)
             saved = self._saved()
-            for path, _ in sorted((saved.items() & before.items()) - old.items()):  # what changes is still being written
+            for path, _ in sorted((saved.items() & before.items()) - old.items()):  # not while it is written
                 try:
                     return read_picture(path)
                 except InputError as error:

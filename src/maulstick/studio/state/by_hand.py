@@ -3,7 +3,7 @@
 import asyncio
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Literal, final
+from typing import Any, Final, Literal, final
 
 from nicegui import Event
 
@@ -11,18 +11,28 @@ from maulstick.errors import InputError
 from maulstick.jobs.paint.options import PaintOptions
 from maulstick.studio.state.easels import Easels
 from maulstick.studio.wording import LOOK_AT_IT, machine_name
-from maulstick.studio.workers.by_hand import Deed, Loose, Standing, Word, move_by_hand
+from maulstick.studio.workers.by_hand import Deed, Locked, Loose, Standing, Word, move_by_hand
 from maulstick.studio.workers.messages import Ended
 from maulstick.studio.workers.process import CLOSING, LONGEST_STOP, Failed, Process
 
 _MOST_WAITING = 3  # words that wait for their turn: a person who clicks faster does not see where the pen will be
 
-Phase = Literal["off", "connecting", "ready", "moving", "loose", "stopping"]
+Phase = Literal["off", "connecting", "locked", "ready", "moving", "loose", "stopping"]
+_TAKEN: Final[dict[Phase, tuple[Word, ...]]] = {
+    "locked": (Deed.FIND_HOME, Deed.UNLOCK, Deed.LEAVE),
+    "loose": (Deed.TAKE_HOLD, Deed.LEAVE),
+}
+"""Words that are taken in some phases; in others all are, or none."""
+
+_LOCKED = (
+    "The machine is locked, as its place may be lost. Let it find home by its switches, where its way is free and the "
+    "pen off the paper; or unlock it, if the pen stands where it was left."
+)
 
 
 @dataclass(frozen=True)
 class HandState:
-    """State of the machine in hand. machine: its spec.  standing: where it was last.  loose: its motors are off.
+    """State of the machine in hand. machine: its spec.  standing: where it was last, once it is entered.
 
     sentence: what was said last.  fault: whether it is a fault.
     """
@@ -76,16 +86,17 @@ class ByHand:
     def do(self, word: Word) -> None:
         """Pass a word on to the machine, which acts on one after another; more than a few are not taken.
 
-        With its motors off, only `Deed.TAKE_HOLD` and `Deed.LEAVE` are.
+        With its motors off, only `Deed.TAKE_HOLD` and `Deed.LEAVE` are, and while it is locked, what unlocks it.
         """
-        if self._process is None or self.state.phase not in ("ready", "moving", "loose"):
+        if self._process is None or self.state.phase in ("connecting", "stopping"):
             return
-        if self.state.phase == "loose" and word not in (Deed.TAKE_HOLD, Deed.LEAVE):
+        if word not in _TAKEN.get(self.state.phase, (word,)):
             return
         if self._waiting < _MOST_WAITING:
             self._waiting += 1
             self._process.tell(word)
-            self._change(phase="moving")
+            sentence = "Finding home …" if word is Deed.FIND_HOME else self.state.sentence
+            self._change(phase="moving", sentence=sentence, fault=self.state.fault and word is not Deed.FIND_HOME)
 
     def stop(self) -> str:
         """Stop the machine at once and lift its pen; return what was stopped, or "" where none is in hand."""
@@ -121,6 +132,9 @@ class ByHand:
                 self._waiting = max(self._waiting - 1, 0)
                 phase = "stopping" if self.state.phase == "stopping" else "moving" if self._waiting else "ready"
                 self._change(phase=phase, standing=received, sentence=said, fault=fault)
+            case Locked(fault=fault):
+                self._waiting = 0
+                self._change(phase="locked", standing=None, sentence=fault or _LOCKED, fault=bool(fault))
             case Loose():
                 self._waiting = 0
                 self._change(phase="loose", sentence="The motors are off: push the pen to its home corner by hand.")

@@ -22,7 +22,11 @@ if TYPE_CHECKING:
 
 
 class Deed(Enum):
-    """Thing that the machine shall do. TAKE_HOLD: with motors that were off.  LEAVE: lift the pen, and disconnect."""
+    """Thing that the machine shall do.
+
+    TAKE_HOLD: with motors that were off.  FIND_HOME: by its switches.  UNLOCK: where it stands.  LEAVE: lift the pen,
+    and disconnect.
+    """
 
     LOWER = "lower"
     LIFT = "lift"
@@ -33,6 +37,8 @@ class Deed(Enum):
     PAPER = "paper"
     LET_GO = "let go"
     TAKE_HOLD = "take hold"
+    FIND_HOME = "find home"
+    UNLOCK = "unlock"
     LEAVE = "leave"
     STOP = "stop"
 
@@ -60,7 +66,8 @@ class Standing:
     """Where the machine stands, sent after each word that it has acted on.
 
     place: x, y and z in the machine's frame, metres.  pen: numbers of the servo; None where none lifts the pen.
-    lets_go: whether its motors can be switched off.  has_sheet: whether the sheet's size is known.
+    lets_go: whether its motors can be switched off.  finds_home: whether it has switches for that.
+    has_sheet: whether the sheet's size is known.
     easel: where the sheet lies by now.  changed: whether that is new.  said: a sentence about the word.
     fault: whether the word could not be done.
     """
@@ -69,6 +76,7 @@ class Standing:
     lifted: bool
     pen: Pen | None
     lets_go: bool
+    finds_home: bool
     has_sheet: bool
     easel: Easel
     changed: bool
@@ -79,6 +87,13 @@ class Standing:
 @dataclass(frozen=True)
 class Loose:
     """Message that the motors are off, until `Deed.TAKE_HOLD`."""
+
+
+@dataclass(frozen=True)
+class Locked:
+    """Message that the machine is locked, until `Deed.FIND_HOME` or `Deed.UNLOCK`. fault: why it still is, or ""."""
+
+    fault: str = ""
 
 
 def move_by_hand(line: Line, spec: str, easel: Path | None, painting: Path | None) -> None:
@@ -104,9 +119,7 @@ def move_by_hand(line: Line, spec: str, easel: Path | None, painting: Path | Non
             signal.signal(number, lambda *_: hands.hear(Deed.STOP))
         try:
             while hands.attend(line, robot, bench):
-                line.say(Loose())
-                if not hands.wait():
-                    break
+                pass
         except MachineError as error:
             line.say(Ended("" if hands.is_to_stop else error_text(error), robot.lifted))
         else:
@@ -129,20 +142,43 @@ class _Hands:
                 self._robot.stop()
         self._words.put(word)
 
-    def wait(self) -> bool:
-        """Wait until the motors shall hold again; return False where the person leaves instead."""
-        while (word := self._words.get()) is not Deed.TAKE_HOLD:
-            if word in (Deed.STOP, Deed.LEAVE):
-                return False
-        return True
-
     def attend(self, line: Line, robot: "Robot", bench: "Bench") -> bool:
-        """Enter the machine, and do what the words say; return whether its motors were switched off at the end.
+        """Do what the words say, until the machine has to be entered once more; return whether it has.
 
         Raises MachineError where the machine fails or is stopped, InputError where it cannot be entered.
         """
+        from maulstick.robot.plotter import LockedError, LocksItself
+
+        self._robot = robot
+        try:
+            deed = self._attend_entered(line, robot, bench)
+        except LockedError:
+            line.say(Locked())
+            deed = self._wait_for(Deed.FIND_HOME, Deed.UNLOCK)
+        if deed is Deed.LET_GO:
+            line.say(Loose())
+            deed = self._wait_for(Deed.TAKE_HOLD)
+        while deed is Deed.FIND_HOME and isinstance(robot, LocksItself):
+            try:
+                robot.find_home()
+                break
+            except InputError as error:
+                line.say(Locked(error_text(error)))
+                deed = self._wait_for(Deed.FIND_HOME, Deed.UNLOCK)
+        if deed is Deed.UNLOCK and isinstance(robot, LocksItself):
+            robot.unlock()
+        return deed is not Deed.LEAVE
+
+    def _wait_for(self, *deeds: Deed) -> Deed:
+        """Wait for one of these words; return `Deed.LEAVE` where the person leaves instead."""
+        while (word := self._words.get()) not in deeds:
+            if word in (Deed.STOP, Deed.LEAVE):
+                return Deed.LEAVE
+        return Deed(word)
+
+    def _attend_entered(self, line: Line, robot: "Robot", bench: "Bench") -> Deed:
+        """Enter the machine, and do what the words say; return the last, for which it must not be entered."""
         with robot:
-            self._robot = robot
             if self.is_to_stop:  # while it was connected, which clears the robot's own stop
                 robot.stop()
             line.say(_standing(bench))
@@ -150,19 +186,19 @@ class _Hands:
                 word = self._words.get()
                 if word in (Deed.STOP, Deed.LEAVE):
                     bench.lift()
-                    return False
+                    return Deed.LEAVE
                 try:
                     said, fault = _do(bench, word), False
                 except InputError as error:
                     said, fault = error_text(error), True
                 else:
-                    if word is Deed.LET_GO:
-                        return True
+                    if word in (Deed.LET_GO, Deed.FIND_HOME):
+                        return Deed(word)
                 line.say(_standing(bench, said, fault))
 
 
 def _standing(bench: "Bench", said: str = "", fault: bool = False) -> Standing:
-    from maulstick.robot.plotter import LetsGo
+    from maulstick.robot.plotter import LetsGo, LocksItself
 
     x, y, z = bench.robot.place.tolist()
     return Standing(
@@ -170,6 +206,7 @@ def _standing(bench: "Bench", said: str = "", fault: bool = False) -> Standing:
         lifted=bench.robot.lifted,
         pen=None if bench.servo is None else bench.servo.pen,
         lets_go=isinstance(bench.robot, LetsGo),
+        finds_home=isinstance(bench.robot, LocksItself) and bench.robot.home is None,
         has_sheet=bench.size is not None,
         easel=bench.easel,
         changed=bench.changed and bench.may_be_written,
@@ -190,8 +227,8 @@ def _do(bench: "Bench", word: object) -> str:
             return bench.set_origin("corner")
         case Deed.PAPER:
             return bench.set_origin("paper")
-        case Deed.TAKE_HOLD:
-            pass  # its motors hold already
+        case Deed.TAKE_HOLD | Deed.UNLOCK:
+            pass  # it holds already
         case Deed():
             deeds = {
                 Deed.LOWER: bench.lower,
@@ -200,6 +237,7 @@ def _do(bench: "Bench", word: object) -> str:
                 Deed.OUTLINE: bench.outline,
                 Deed.SQUARE: bench.square,
                 Deed.LET_GO: bench.let_go,
+                Deed.FIND_HOME: bench.lift,
             }
             deeds[word]()
     return ""

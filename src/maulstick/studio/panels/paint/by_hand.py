@@ -73,6 +73,9 @@ class ByHandForm:
                     self._name = ui.input("Name of this place", value="my-sheet").props("outlined maxlength=40")
                     ui.button("Keep it", icon="save", on_click=self._keep).props("outline")
                 self._off = self._act("Motors off", "power_off", Deed.LET_GO)
+            with ui.element().classes("line"):
+                self._find = self._act("Find home by its switches", "where_to_vote", Deed.FIND_HOME)
+                self._unlock = self._act("Unlock it where it is", "lock_open", Deed.UNLOCK)
             self._hold = self._act("Motors on: this is its home", "power", Deed.TAKE_HOLD)
             self._leave = self._act("Done: let the machine go", "close", Deed.LEAVE)
         shown_by(self.root, self._hand.changed, self.show)
@@ -84,14 +87,16 @@ class ByHandForm:
         self._said.text = _said(state)
         self._said.visible = bool(self._said.text)
         self._said.classes(add="fault" if state.fault else "", remove="" if state.fault else "fault")
-        holds = state.phase in ("ready", "moving")
-        self._moves.visible = self._where.visible = holds
+        standing = state.standing if state.phase in ("ready", "moving") else None
+        self._moves.visible = self._where.visible = holds = standing is not None
         self._hold.visible = state.phase == "loose"
-        self._leave.visible = holds or state.phase == "loose"
+        self._unlock.visible = state.phase == "locked"
+        self._find.visible = state.phase == "locked" or (standing is not None and standing.finds_home)
+        self._leave.visible = holds or state.phase in ("loose", "locked")
         if state.phase != "off":
             self.root.open()
-        if state.standing is not None:
-            self._show_standing(state.standing)
+        if standing is not None:
+            self._show_standing(standing)
 
     def _show_standing(self, standing: Standing) -> None:
         self._where.text = _where(standing)
