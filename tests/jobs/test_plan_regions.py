@@ -194,6 +194,14 @@ def test_a_region_in_a_colour_that_the_painting_has_not_is_refused_when_it_is_pl
         ms.plan(folder / "disc.png", again=painting, options=planned_before(painting, {**files, "steps": 3}))
 
 
+def test_no_paint_is_mixed_for_its_regions_when_it_is_planned_again_so_any_number_of_strokes_may_be_asked_for(
+    folder: Path, painting: Painting
+) -> None:
+    files = {"regions": folder / "map.png", "say": folder / "say.toml"}
+    options = planned_before(painting, {**files, "steps": 1, "strokes": 1})
+    assert len(ms.plan(folder / "disc.png", again=painting, options=options).strokes) == len(painting.strokes)
+
+
 def test_an_svg_says_the_same_as_a_picture_of_it(folder: Path) -> None:
     rects = "".join(
         f'<rect x="{20 * (i % 2)}" y="{20 * (i // 2)}" width="20" height="20" fill="{colour}"/>'

@@ -61,10 +61,13 @@ def settings_of(
     tubes: tuple[NamedPaint, ...],
     of_regions: tuple[Colour, ...] = (),
     of_guides: tuple[Colour, ...] = (),
+    *,
+    are_mixed: bool = False,
 ) -> PlannerSettings:
     """Return the planner's settings by the options, with these tubes of paint.
 
     of_regions, of_guides: colours that regions and lines to be painted name, which are mixed as they are.
+    are_mixed: whether the paints are those of a painting that is planned again.
 
     Raises InputError for colours that are to be pinned, or named by regions, among paints that are not mixed.
     """
@@ -75,7 +78,7 @@ def settings_of(
     for colour in of_regions if paints is None else ():
         if hex_colour(colour) not in map(hex_colour, palette):
             raise not_a_paint(colour)
-    pinned = () if paints is None else tuple(dict.fromkeys((*pinned, *of_regions, *of_guides)))
+    pinned = () if paints is None or are_mixed else tuple(dict.fromkeys((*pinned, *of_regions, *of_guides)))
     strokes = MOST_AUTO if options.strokes == AUTO else options.strokes
     return PlannerSettings(
         strokes,

@@ -75,7 +75,8 @@ def prepare(
     style = hand.scaled(options.hand_size)
     regions = directing.regions(layout, hand, options.hand_size, brushes, usual)
     tubes = _tubes(options)
-    settings = settings_of(options, tubes, directing.colours, directing.painted_colours)
+    colours = directing.colours, directing.painted_colours
+    settings = settings_of(options, tubes, *colours, are_mixed=again is not None)
     if again is not None:
         settings = again.in_paints(settings)
     supply = _supply(options, settings, layout, brushes, style, regions) if settings.in_ink else None
