@@ -13,7 +13,8 @@ from PIL import Image
 import maulstick as ms
 from maulstick.errors import InputError
 from maulstick.jobs.paint.camera_loop import replanned
-from maulstick.jobs.plan.again import palette_of, picture_near, planned_before
+from maulstick.jobs.plan.again import palette_of
+from maulstick.jobs.plan.before import picture_near, planned_before
 from maulstick.jobs.plan.options import PlanOptions
 from maulstick.jobs.plan.prepare import prepare
 from maulstick.jobs.plan.prepared import Prepared

@@ -11,7 +11,7 @@ from PIL import Image
 
 import maulstick as ms
 from maulstick.errors import InputError
-from maulstick.jobs.plan.again import planned_before
+from maulstick.jobs.plan.before import planned_before
 from maulstick.jobs.plan.options import PlanOptions
 from maulstick.jobs.plan.prepare import prepare
 from maulstick.jobs.plan.prepared import Prepared
