@@ -84,7 +84,7 @@ def prepare(
         settings = replace(settings, strokes=enough(supply))
     names = {hex_colour(tube.colour): tube.name for tube in tubes}
     if again is None:
-        kept = directing.painted(layout, finest, settings.pinned or settings.palette, regions)
+        kept = directing.painted(layout, finest, settings.pinned or settings.palette, names, regions)
     else:
         settings, names, kept = again.settings(settings), again.names, again.painting
     locked = [] if kept is None else locked_in(kept)
