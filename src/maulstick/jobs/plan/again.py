@@ -12,6 +12,7 @@ from typing import Self
 
 import numpy as np
 import torch
+from pydantic import JsonValue
 
 from maulstick.colour.palette import parse_colour
 from maulstick.errors import InputError, option
@@ -32,7 +33,7 @@ from maulstick.style.pressure import fit_knots
 
 @dataclass(frozen=True)
 class Again:
-    """Painting that is planned again. Raises InputError for a drawing, which nobody planned.
+    """Painting that is planned again. Raises InputError for a drawing, which nobody planned, and without any paint.
 
     painted: number of its strokes that are on the sheet, and were left out of it.
     """
@@ -64,8 +65,10 @@ class Again:
         return cls(painting.model_copy(update={"strokes": left}), len(painting.strokes) - len(left))
 
     def __post_init__(self) -> None:
-        if self.painting.literal or not self.painting.paints:
+        if self.painting.literal:
             raise InputError("the painting was not planned, so it cannot be planned again; name a plan's")
+        if not self.painting.paints:  # as of a picture that the bare sheet shows
+            raise InputError("the painting has no stroke, and so no paint to plan it again with; plan anew")
 
     @property
     def left(self) -> list[Stroke]:
@@ -108,6 +111,11 @@ class Again:
     def names(self) -> dict[str, str]:
         """Names of its paints, by their colours as ``#rrggbb``."""
         return {paint.hex: paint.name for paint in self.painting.paints if paint.name is not None}
+
+    @property
+    def ink(self) -> JsonValue:
+        """Inks that it was planned in, as they were said; None where it is painted."""
+        return self.painting.provenance.options.get("ink")
 
     def in_paints(self, settings: PlannerSettings) -> PlannerSettings:
         """Return the settings with the painting's paints, or its inks."""

@@ -27,7 +27,7 @@ _WIDEST_SHEET_PX = 2048  # over its width, for sheets that are much wider than h
 
 
 def picture_of(request: PlanRequest, image: Image | None) -> Image | None:
-    """Return the picture as the options correct it, or None where there is only a text or a look."""
+    """Return the picture as the options correct it, or None where there is only a text."""
     picture = read_picture(request.picture, longest_px=READ_PX) if request.picture is not None else image
     if picture is not None:
         return request.options.edit.applied(picture)

@@ -118,10 +118,11 @@ def prepare(
     )
     weights = loss_options.weights_to_keep(has_picture=picture is not None)
     used = {"brush": names_of(brushes), "style": style.name, "weights": weights, "device": device.device.type}
+    settled = {} if again is None else {"ink": again.ink}  # in Python options may leave it out, or name another
     name = request.picture.name if request.picture is not None else None
     sha256 = request.sums[str(request.picture)] if request.picture is not None else None
     of_all = replace(settings, strokes=settings.strokes + len(locked))
-    provenance = provenance_of(of_all, name, sha256, {**request.provenance_options, **used})
+    provenance = provenance_of(of_all, name, sha256, {**request.provenance_options, **used, **settled})
     return Prepared(
         request,
         layout,
