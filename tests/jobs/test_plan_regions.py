@@ -314,7 +314,7 @@ def test_files_of_a_brush_and_a_hand_lie_beside_what_names_them_wherever_one_is(
         ("# nothing\n", "the number of regions is 0; it must be from 1 to 64"),
         (
             "[face]\ncolour='red'\ncolours=['#010203','#040506','#070809','#0a0b0c','#0d0e0f']\n",
-            "the number of colours that are pinned is 5; it must be at most",
+            "pin, regions and guides name 5 colours that are used as they are, among 4 paints; give more paints, or",
         ),
     ],
 )

@@ -69,7 +69,8 @@ def settings_of(
     of_regions, of_guides: colours that regions and lines to be painted name, which are mixed as they are.
     are_mixed: whether the paints are those of a painting that is planned again.
 
-    Raises InputError for colours that are to be pinned, or named by regions, among paints that are not mixed.
+    Raises InputError for colours that are to be pinned, or named by regions, among paints that are not mixed, and for
+    more of them than paints.
     """
     palette = tuple(tube.colour for tube in tubes) or tuple(parse_colour(ink) for ink in options.inks or ("black",))
     paints, pinned = options.mixed_paints, tuple(parse_colour(colour) for colour in options.pin)
@@ -79,6 +80,11 @@ def settings_of(
         if hex_colour(colour) not in map(hex_colour, palette):
             raise not_a_paint(colour)
     pinned = () if paints is None or are_mixed else tuple(dict.fromkeys((*pinned, *of_regions, *of_guides)))
+    if paints is not None and len(pinned) > paints:
+        raise InputError(
+            f"{option('pin')}, {option('regions')} and {option('guides')} name {len(pinned)} colours that are used as "
+            f"they are, among {paints} paints; give more {option('paints')}, or name fewer colours"
+        )
     strokes = MOST_AUTO if options.strokes == AUTO else options.strokes
     return PlannerSettings(
         strokes,
