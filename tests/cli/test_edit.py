@@ -78,6 +78,12 @@ def test_all_strokes_are_locked_at_once(folder: Path) -> None:
     assert all(stroke.locked for stroke in edited(folder, "--lock", "all").strokes)
 
 
+def test_strokes_that_are_named_by_an_edit_twice_are_all_edited(folder: Path) -> None:
+    after = edited(folder, "--lock", "1", "--lock", "2,4", "--remove", "7", "--remove", "8")
+    assert [stroke.id for stroke in after.strokes if stroke.locked] == [1, 2, 4]
+    assert {7, 8}.isdisjoint(stroke.id for stroke in after.strokes)
+
+
 def test_strokes_are_unlocked_before_others_are_locked(folder: Path) -> None:
     assert edited(folder, "--lock", "1,3-5").strokes
     after = edited(folder, "--unlock", "all", "--lock", "2")

@@ -80,6 +80,18 @@ def test_a_cell_has_the_files_of_the_plan_command_to_the_bit(swept: tuple[Path, 
     assert results_in(folder / "out" / "eileen.png_marker_seed-1") == contents(tmp_path / "alone")
 
 
+def test_a_cell_plans_a_painting_again_as_the_plan_command_does_with_its_options_and_its_picture(
+    again: Path, tmp_path: Path
+) -> None:
+    painting = "out/eileen.png_marker_seed-1/painting.json"
+    (again / "grid.toml").write_text(f"[axes]\nsteps = [3]\n[options]\nagain = '{painting}'\n")
+    shutil.copy(again / "eileen.png", again / "out")  # above the painting
+    ran = run("sweep", again / "grid.toml", "--out", again / "twice")
+    assert ran.code == 0, ran.stderr
+    assert run("plan", "--again", again / painting, "--steps", "3", "--out", tmp_path / "alone").code == 0
+    assert results_in(again / "twice" / "steps-3") == contents(tmp_path / "alone")
+
+
 def test_a_second_run_plans_nothing_even_where_all_has_moved(again: Path) -> None:
     before = {path: path.stat().st_mtime_ns for path in again.rglob("painting.json")}
     table = (again / "out" / "sweep.csv").read_bytes()
@@ -192,6 +204,7 @@ def test_a_sweep_that_is_killed_leaves_no_process_behind(tmp_path: Path, at: str
             "[axes]\npicture = ['x.png']\nseed = ['a']",
             "the cell x.png_seed-a: options.seed: Input should be a valid int",
         ),
+        ("[axes]\nagain = ['none.json']", "there is no painting {folder}/none.json; check its name and folder"),
         ("[axes]\ntext = ['a boat']\nstyle = ['nobody']", "there is no style 'nobody'; there are: FILE.json, "),
         ("[axes]\ntext = ['a boat']\nbrush = ['none']", "there is no brush 'none'; there are: FILE.json, fineliner"),
     ],

@@ -13,7 +13,8 @@ from PIL import Image
 import maulstick as ms
 from maulstick.errors import InputError
 from maulstick.jobs.paint.camera_loop import replanned
-from maulstick.jobs.plan.again import palette_of, picture_near, planned_before
+from maulstick.jobs.plan.again import is_in_ink, palette_of
+from maulstick.jobs.plan.before import picture_near, planned_before
 from maulstick.jobs.plan.options import PlanOptions
 from maulstick.jobs.plan.prepare import prepare
 from maulstick.jobs.plan.prepared import Prepared
@@ -219,6 +220,16 @@ def test_inks_stay_inks_and_paints_of_a_file_paints_however_often_they_are_plann
 
 
 @few_strokes
+@pytest.mark.parametrize("was", [{"ink": "#102040,#e0a020"}, {"paints": 2}])
+def test_inks_and_paints_stay_what_they_were_whatever_other_options_say(folder: Path, was: dict[str, Any]) -> None:
+    quick: dict[str, Any] = {"steps": 2, "px": 24, "size": SIDE, "style": "loops", "brush": "fineliner"}
+    before = ms.plan(folder / "disc.png", strokes=20, **quick, **was)
+    for other in ({}, {"ink": "black"}):
+        after = ms.plan(folder / "disc.png", again=before, options=PlanOptions(strokes=20, **quick, **other))
+        assert (is_in_ink(after), palette_of(after)) == (is_in_ink(before), palette_of(before))
+
+
+@few_strokes
 def test_an_ink_that_no_stroke_has_is_among_those_that_it_is_planned_again_in(folder: Path) -> None:
     quick: dict[str, Any] = {"strokes": 6, "steps": 2, "px": 24, "size": SIDE, "style": "loops", "brush": "fineliner"}
     painting = ms.plan(np.full((24, 24, 3), 0.6, dtype=np.float32), ink="black,red", **quick)
@@ -285,6 +296,8 @@ def test_what_cannot_be_planned_again_is_refused(folder: Path, changed: Painting
     assert "again plans in one piece; choose a smaller px" in refusal(folder, changed, px=4000)
     drawing = changed.model_copy(update={"literal": True})
     assert "was not planned, so it cannot be planned again" in refusal(folder, drawing)
+    bare = changed.model_copy(update={"strokes": (), "paints": (), "brushes": {}})
+    assert "the painting has no stroke, and so no paint to plan it again with; plan anew" in refusal(folder, bare)
     elsewhere = changed.provenance.model_copy(update={"image": "elsewhere.png"})
     assert "there is no elsewhere.png, from which it was planned, here or beside" in refusal(
         folder, changed.model_copy(update={"provenance": elsewhere})

@@ -86,6 +86,13 @@ def test_a_line_of_the_layer_paint_is_a_locked_stroke_in_its_colour_cut_at_the_p
     assert len(painting.paints) <= 4
 
 
+def test_a_guide_is_painted_in_the_very_paint_of_a_file_that_other_strokes_have(folder: Path) -> None:
+    (folder / "tubes.csv").write_text("name,colour\nnight,#101010\nsky,#2244cc\n")
+    painting = painted_with(prepared_with(folder, paints=None, paints_from=folder / "tubes.csv", steps=2))
+    assert [paint.name for paint in painting.paints] == ["sky", "night"]
+    assert {painting.paints[stroke.paint].name for stroke in painting.strokes if stroke.origin == "guide"} == {"sky"}
+
+
 def test_planned_again_it_has_them_and_does_not_paint_them_twice(folder: Path, painting: Painting) -> None:
     file = folder / "painting.json"
     write_painting(painting, file)

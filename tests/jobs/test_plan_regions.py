@@ -11,7 +11,7 @@ from PIL import Image
 
 import maulstick as ms
 from maulstick.errors import InputError
-from maulstick.jobs.plan.again import planned_before
+from maulstick.jobs.plan.before import planned_before
 from maulstick.jobs.plan.options import PlanOptions
 from maulstick.jobs.plan.prepare import prepare
 from maulstick.jobs.plan.prepared import Prepared
@@ -194,6 +194,14 @@ def test_a_region_in_a_colour_that_the_painting_has_not_is_refused_when_it_is_pl
         ms.plan(folder / "disc.png", again=painting, options=planned_before(painting, {**files, "steps": 3}))
 
 
+def test_no_paint_is_mixed_for_its_regions_when_it_is_planned_again_so_any_number_of_strokes_may_be_asked_for(
+    folder: Path, painting: Painting
+) -> None:
+    files = {"regions": folder / "map.png", "say": folder / "say.toml"}
+    options = planned_before(painting, {**files, "steps": 1, "strokes": 1})
+    assert len(ms.plan(folder / "disc.png", again=painting, options=options).strokes) == len(painting.strokes)
+
+
 def test_an_svg_says_the_same_as_a_picture_of_it(folder: Path) -> None:
     rects = "".join(
         f'<rect x="{20 * (i % 2)}" y="{20 * (i // 2)}" width="20" height="20" fill="{colour}"/>'
@@ -306,7 +314,7 @@ def test_files_of_a_brush_and_a_hand_lie_beside_what_names_them_wherever_one_is(
         ("# nothing\n", "the number of regions is 0; it must be from 1 to 64"),
         (
             "[face]\ncolour='red'\ncolours=['#010203','#040506','#070809','#0a0b0c','#0d0e0f']\n",
-            "the number of colours that are pinned is 5; it must be at most",
+            "pin, regions and guides name 5 colours that are used as they are, among 4 paints; give more paints, or",
         ),
     ],
 )

@@ -8,6 +8,8 @@ import pytest
 from maulstick.errors import InputError
 from maulstick.jobs.plan.options import FILES, PlanOptions
 from maulstick.jobs.sweep.grid import MOST_CELLS, grid_of
+from maulstick.painting.painting_file import write_painting
+from tests.support.planned import planned
 
 
 def cells(axes: dict[str, Any], folder: Path = Path(), **options: Any) -> list[Any]:
@@ -46,12 +48,21 @@ def test_files_are_beside_the_grid_and_names_of_libraries_are_not_files(tmp_path
 
 
 def test_every_option_that_is_a_file_is_beside_the_grid(tmp_path: Path) -> None:
+    write_painting(planned(), tmp_path / "file")
     kinds = get_type_hints(PlanOptions)
     assert sorted(FILES) == sorted(name for name, kind in kinds.items() if kind == Path | None)
     together = ("regions", "say", "guides")
     for names in (together, *((name,) for name in FILES if name not in together)):
         (cell,) = cells({"seed": [0]}, tmp_path, picture="a.png", **dict.fromkeys(names, "file"))
         assert {getattr(cell.request.options, name) for name in names} == {tmp_path / "file"}
+
+
+def test_what_a_painting_has_settled_is_no_option_where_it_is_planned_again(tmp_path: Path) -> None:
+    write_painting(planned(), tmp_path / "painting.json")
+    with pytest.raises(
+        InputError, match="again keeps the sheet, the paints and the pressure of the painting; leave out ink"
+    ):
+        cells({"again": ["painting.json"]}, tmp_path, picture="a.png", ink="black")
 
 
 def test_long_texts_and_odd_letters_make_names_of_folders_that_differ() -> None:

@@ -12,7 +12,8 @@ from PIL import Image as Pillow
 from maulstick.api.painting import Painting
 from maulstick.errors import InputError
 from maulstick.jobs.paintable import read_paintable
-from maulstick.jobs.plan.again import Again, picture_near, planned_before
+from maulstick.jobs.plan.again import Again
+from maulstick.jobs.plan.before import picture_near, planned_before
 from maulstick.jobs.plan.options import PlanOptions
 from maulstick.jobs.plan.prepare import prepare
 from maulstick.jobs.plan.request import PlanRequest

@@ -54,11 +54,11 @@ def edit(
             help="Add drawn strokes, ink or any file that `record ink` reads, in the N-th paint; locked.",
         ),
     ] = None,
-    unlock: Annotated[str | None, _edits(metavar="IDS", help="Let planning change these strokes again.")] = None,
+    unlock: Annotated[list[str] | None, _edits(metavar="IDS", help="Let planning change these strokes again.")] = None,
     lock: Annotated[
-        str | None, _edits(metavar="IDS", help="Lock strokes, so that planning again leaves them as they are.")
+        list[str] | None, _edits(metavar="IDS", help="Lock strokes, so that planning again leaves them as they are.")
     ] = None,
-    remove: Annotated[str | None, _edits(metavar="IDS", help="Take strokes out.")] = None,
+    remove: Annotated[list[str] | None, _edits(metavar="IDS", help="Take strokes out.")] = None,
     out: Annotated[Path | None, _writing(metavar="FILE", help="The painting.json to write.")] = None,
     overwrite: Annotated[bool, _writing("--overwrite", metavar="", help="Replace what is there.")] = False,
 ) -> None:
@@ -90,12 +90,12 @@ def edit(
         edits.append(MoveStrokes(strokes=ids, turn=radians(degrees)))
     for text in add or []:
         edits.extend(_drawn(text, before))
-    if unlock is not None:
-        edits.append(UnlockStrokes(strokes=_ids(unlock, "--unlock", before)))
-    if lock is not None:
-        edits.append(LockStrokes(strokes=_ids(lock, "--lock", before)))
-    if remove is not None:
-        edits.append(RemoveStrokes(strokes=_ids(remove, "--remove", before)))
+    if unlock:
+        edits.append(UnlockStrokes(strokes=_ids(",".join(unlock), "--unlock", before)))
+    if lock:
+        edits.append(LockStrokes(strokes=_ids(",".join(lock), "--lock", before)))
+    if remove:
+        edits.append(RemoveStrokes(strokes=_ids(",".join(remove), "--remove", before)))
     if not edits:
         raise InputError("there is nothing to change; give --lock, --remove or another edit")
     after = edited(before, edits)

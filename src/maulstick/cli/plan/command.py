@@ -11,6 +11,7 @@ from maulstick.cli.lengths import with_unit
 from maulstick.cli.loading import no_garbage
 from maulstick.cli.plan.values import crop_of, layers_of, picture_path, strokes_of, weights_of
 from maulstick.errors import InputError, OutputError
+from maulstick.jobs.plan.before import picture_near, planned_before
 from maulstick.jobs.plan.options import PlanOptions
 from maulstick.jobs.plan.request import PlanRequest, state_files
 from maulstick.painting.brush import load_pen_brush
@@ -287,8 +288,6 @@ def plan(
     if again is None:
         options, path = PlanOptions(**asked), picture_path(picture, demo, text)
     else:
-        from maulstick.jobs.plan.again import picture_near, planned_before  # loads torch
-
         given = {name: value for name, value in asked.items() if _is_given(context, _OPTION_OF.get(name, name))}
         if pen is not None:
             given["brush"] = brush

@@ -4,21 +4,20 @@ Its sheet, its brushes and its paints stay too, since they may be mixed already.
 is planned over what is on it: what a machine has painted, and what a person has painted since.
 """
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from math import isclose
 from pathlib import Path
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
 import torch
-from pydantic import TypeAdapter, ValidationError
+from pydantic import JsonValue
 
 from maulstick.colour.palette import parse_colour
-from maulstick.errors import InputError, option, validation_fault
+from maulstick.errors import InputError, option
 from maulstick.jobs.plan.inputs import not_a_paint
-from maulstick.jobs.plan.options import FILES, PlanOptions, colours_in
-from maulstick.jobs.plan.request import demo_picture
+from maulstick.jobs.plan.options import PlanOptions, colours_in
 from maulstick.painting.brush import Brush, in_painting_order
 from maulstick.painting.painting import Painting, Sheet, Stroke, hex_colour
 from maulstick.painting.painting_file import read_painting
@@ -28,17 +27,13 @@ from maulstick.planning.regions import Regions
 from maulstick.planning.result import PlanResult
 from maulstick.robot.journal import Journal, journal_of, latest_sheet, was_begun
 from maulstick.storage.arrays import Floats
-from maulstick.storage.files import file_sum
 from maulstick.strokes.strokes import resampled, standardise
 from maulstick.style.pressure import fit_knots
-
-_SETTLED = ("paper", "paints", "paints_from", "pin", "ink", "pressure")  # options that a painting has settled
-_NOT_KEPT = ("background", "paints_from", "again")  # those whose file is no longer needed
 
 
 @dataclass(frozen=True)
 class Again:
-    """Painting that is planned again. Raises InputError for a drawing, which nobody planned.
+    """Painting that is planned again. Raises InputError for a drawing, which nobody planned, and without any paint.
 
     painted: number of its strokes that are on the sheet, and were left out of it.
     """
@@ -70,8 +65,10 @@ class Again:
         return cls(painting.model_copy(update={"strokes": left}), len(painting.strokes) - len(left))
 
     def __post_init__(self) -> None:
-        if self.painting.literal or not self.painting.paints:
+        if self.painting.literal:
             raise InputError("the painting was not planned, so it cannot be planned again; name a plan's")
+        if not self.painting.paints:  # as of a picture that the bare sheet shows
+            raise InputError("the painting has no stroke, and so no paint to plan it again with; plan anew")
 
     @property
     def left(self) -> list[Stroke]:
@@ -114,6 +111,11 @@ class Again:
     def names(self) -> dict[str, str]:
         """Names of its paints, by their colours as ``#rrggbb``."""
         return {paint.hex: paint.name for paint in self.painting.paints if paint.name is not None}
+
+    @property
+    def ink(self) -> JsonValue:
+        """Inks that it was planned in, as they were said; None where it is painted."""
+        return self.painting.provenance.options.get("ink")
 
     def in_paints(self, settings: PlannerSettings) -> PlannerSettings:
         """Return the settings with the painting's paints, or its inks."""
@@ -161,47 +163,6 @@ def is_in_ink(painting: Painting) -> bool:
 def locked_in(painting: Painting) -> list[Stroke]:
     """Return the strokes of a painting that stay, in painting order."""
     return [stroke for stroke in painting.strokes if stroke.locked]
-
-
-def planned_before(painting: Painting, given: Mapping[str, Any]) -> PlanOptions:
-    """Return the options that a painting was planned with, but for those given.
-
-    Raises InputError for a file that must be named once more, as a painting keeps no paths, for what a painting has
-    settled, and for other options that this Maulstick cannot read.
-    """
-    for name in sorted(set(_SETTLED) & set(given)):
-        raise InputError(
-            f"{option('again')} keeps the sheet, the paints and the pressure of the painting; leave out {option(name)}"
-        )
-    if given.get("background") is not None:
-        sides = (f"{1e3 * side:.6g}" for side in (painting.sheet.width, painting.sheet.height))
-        given = {"size": "x".join(sides) + "mm", "paper": PlanOptions.paper, **given}
-    known = {field.name for field in fields(PlanOptions)} - {*_NOT_KEPT, "paints"}  # none is mixed
-    kept = {name: value for name, value in painting.provenance.options.items() if name in known and name not in given}
-    for name in FILES:  # of which a painting knows no more than the name
-        if kept.get(name) is not None:
-            raise InputError(f"it was planned with the file {kept[name]}; name that once more, with {option(name)}")
-    weights = {"weights": kept.pop("weights")} if "weights" in kept else {}  # of a text or a look, which may be given
-    try:
-        options = TypeAdapter(PlanOptions).validate_python(kept)
-    except ValidationError as error:
-        raise InputError(f"it was planned with options of another kind: {validation_fault(error)}") from error
-    return replace(options, **{"seed": painting.provenance.seed, **weights, **given})
-
-
-def picture_near(painting: Painting, file: Path) -> Path | None:
-    """Return the picture of a painting: of this folder, that of the painting's `file`, or the one above.
-
-    None where it was planned from a text alone. Raises InputError where it is in none of them.
-    """
-    name, sha256 = painting.provenance.image, painting.provenance.image_sha256
-    if name is None or sha256 is None:
-        return None
-    places = [folder / name for folder in (Path(), file.parent, file.parent.parent)]
-    for path in [*places, demo_picture()]:
-        if path.is_file() and file_sum(path) == sha256:
-            return path
-    raise InputError(f"there is no {name}, from which it was planned, here or beside {file}; name it, too")
 
 
 def parameters_of(strokes: Sequence[Stroke], painting: Painting, problem: PlanningProblem) -> StrokeParameters:

@@ -1,6 +1,6 @@
 """What a person says of places on the picture, by the files that options name: regions, and lines as guides."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from maulstick.errors import InputError, option
 from maulstick.jobs.plan.guide_files import GuideFile
@@ -70,10 +70,15 @@ class Directing:
         return Guides.of(layout.canvas, lines, regions)
 
     def painted(
-        self, layout: Layout, brush: Brush, paints: Sequence[Colour], regions: Regions | None
+        self,
+        layout: Layout,
+        brush: Brush,
+        paints: Sequence[Colour],
+        names: Mapping[str, str],
+        regions: Regions | None,
     ) -> Painting | None:
         """Return the guides that are painted, as `GuideFile.painted` does, off paper that regions leave bare."""
         if self._guides is None:
             return None
         bare = None if regions is None else regions.bare_paper
-        return self._guides.painted(layout, self._shape, self._fit, self._margin, brush, paints, bare)
+        return self._guides.painted(layout, self._shape, self._fit, self._margin, brush, paints, names, bare)

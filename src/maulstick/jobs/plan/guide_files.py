@@ -1,6 +1,6 @@
 """Files of guides: an SVG of lines over the picture, along which strokes lie; some are painted as they are."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from importlib.metadata import version
 from pathlib import Path
 from typing import Final
@@ -12,7 +12,7 @@ from maulstick.colour.palette import nearest_paint
 from maulstick.errors import InputError
 from maulstick.painting.brush import Brush
 from maulstick.painting.fit import place_of
-from maulstick.painting.painting import Paint, Painting, Provenance, Stroke
+from maulstick.painting.painting import Paint, Painting, Provenance, Stroke, hex_colour
 from maulstick.painting.raster import Canvas
 from maulstick.planning.bare_paper import BarePaper
 from maulstick.planning.layout import Layout
@@ -54,11 +54,13 @@ class GuideFile:
         margin: float,
         brush: Brush,
         paints: Sequence[Colour],
+        names: Mapping[str, str],
         bare: BarePaper | None,
     ) -> Painting | None:
         """Return the lines that are painted, as locked strokes of this brush; None for none.
 
         They are cut at the picture's edge and at bare paper. Each is in the nearest of the paints.
+        names: of paints, by their colours as ``#rrggbb``; without them guides would have paints of their own.
         """
         from maulstick.drawing.lines import cut
 
@@ -89,7 +91,10 @@ class GuideFile:
             sheet=layout.sheet,
             provenance=Provenance(version=version("maulstick")),
             brushes={brush.name: brush},
-            paints=tuple(Paint(colour=paints[number], brush=brush.name) for number in used),
+            paints=tuple(
+                Paint(colour=paints[number], brush=brush.name, name=names.get(hex_colour(paints[number])))
+                for number in used
+            ),
             strokes=tuple(strokes),
         )
 

@@ -27,7 +27,7 @@ _WIDEST_SHEET_PX = 2048  # over its width, for sheets that are much wider than h
 
 
 def picture_of(request: PlanRequest, image: Image | None) -> Image | None:
-    """Return the picture as the options correct it, or None where there is only a text or a look."""
+    """Return the picture as the options correct it, or None where there is only a text."""
     picture = read_picture(request.picture, longest_px=READ_PX) if request.picture is not None else image
     if picture is not None:
         return request.options.edit.applied(picture)
@@ -61,12 +61,16 @@ def settings_of(
     tubes: tuple[NamedPaint, ...],
     of_regions: tuple[Colour, ...] = (),
     of_guides: tuple[Colour, ...] = (),
+    *,
+    are_mixed: bool = False,
 ) -> PlannerSettings:
     """Return the planner's settings by the options, with these tubes of paint.
 
     of_regions, of_guides: colours that regions and lines to be painted name, which are mixed as they are.
+    are_mixed: whether the paints are those of a painting that is planned again.
 
-    Raises InputError for colours that are to be pinned, or named by regions, among paints that are not mixed.
+    Raises InputError for colours that are to be pinned, or named by regions, among paints that are not mixed, and for
+    more of them than paints.
     """
     palette = tuple(tube.colour for tube in tubes) or tuple(parse_colour(ink) for ink in options.inks or ("black",))
     paints, pinned = options.mixed_paints, tuple(parse_colour(colour) for colour in options.pin)
@@ -75,7 +79,12 @@ def settings_of(
     for colour in of_regions if paints is None else ():
         if hex_colour(colour) not in map(hex_colour, palette):
             raise not_a_paint(colour)
-    pinned = () if paints is None else tuple(dict.fromkeys((*pinned, *of_regions, *of_guides)))
+    pinned = () if paints is None or are_mixed else tuple(dict.fromkeys((*pinned, *of_regions, *of_guides)))
+    if paints is not None and len(pinned) > paints:
+        raise InputError(
+            f"{option('pin')}, {option('regions')} and {option('guides')} name {len(pinned)} colours that are used as "
+            f"they are, among {paints} paints; give more {option('paints')}, or name fewer colours"
+        )
     strokes = MOST_AUTO if options.strokes == AUTO else options.strokes
     return PlannerSettings(
         strokes,

@@ -75,7 +75,8 @@ def prepare(
     style = hand.scaled(options.hand_size)
     regions = directing.regions(layout, hand, options.hand_size, brushes, usual)
     tubes = _tubes(options)
-    settings = settings_of(options, tubes, directing.colours, directing.painted_colours)
+    colours = directing.colours, directing.painted_colours
+    settings = settings_of(options, tubes, *colours, are_mixed=again is not None)
     if again is not None:
         settings = again.in_paints(settings)
     supply = _supply(options, settings, layout, brushes, style, regions) if settings.in_ink else None
@@ -83,7 +84,7 @@ def prepare(
         settings = replace(settings, strokes=enough(supply))
     names = {hex_colour(tube.colour): tube.name for tube in tubes}
     if again is None:
-        kept = directing.painted(layout, finest, settings.pinned or settings.palette, regions)
+        kept = directing.painted(layout, finest, settings.pinned or settings.palette, names, regions)
     else:
         settings, names, kept = again.settings(settings), again.names, again.painting
     locked = [] if kept is None else locked_in(kept)
@@ -117,10 +118,11 @@ def prepare(
     )
     weights = loss_options.weights_to_keep(has_picture=picture is not None)
     used = {"brush": names_of(brushes), "style": style.name, "weights": weights, "device": device.device.type}
+    settled = {} if again is None else {"ink": again.ink}  # in Python options may leave it out, or name another
     name = request.picture.name if request.picture is not None else None
     sha256 = request.sums[str(request.picture)] if request.picture is not None else None
     of_all = replace(settings, strokes=settings.strokes + len(locked))
-    provenance = provenance_of(of_all, name, sha256, {**request.provenance_options, **used})
+    provenance = provenance_of(of_all, name, sha256, {**request.provenance_options, **used, **settled})
     return Prepared(
         request,
         layout,

@@ -25,7 +25,7 @@ MOST_WORKERS: Final = 32
 
 @dataclass(frozen=True)
 class PlanRequest:
-    """A picture, or None where there is only a text or a look, and options; files as absolute paths.
+    """A picture, or None where there is only a text, and options; files as absolute paths.
 
     tries: plans from so many seeds, of which the best is kept.  video: the format to record the planning in, if any.
     workers: processes that plan windows of a large canvas at the same time; None for one per core,

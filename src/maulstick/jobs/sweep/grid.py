@@ -4,8 +4,9 @@ import hashlib
 import re
 import tomllib
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
+from functools import cache
 from itertools import product
 from pathlib import Path
 from typing import Any, Final
@@ -13,8 +14,11 @@ from typing import Any, Final
 from pydantic import BaseModel, ConfigDict, Field, JsonValue, TypeAdapter, ValidationError
 
 from maulstick.errors import InputError, validation_fault
+from maulstick.jobs.plan.before import kept_options, picture_near
 from maulstick.jobs.plan.options import FILES, PlanOptions
 from maulstick.jobs.plan.request import PlanRequest
+from maulstick.painting.painting import Painting
+from maulstick.painting.painting_file import read_painting
 from maulstick.storage.files import read_whole
 from maulstick.storage.library import all_placed
 
@@ -61,10 +65,13 @@ class Grid(BaseModel):
     def cells(self, folder: Path) -> list[Cell]:
         """Return all combinations, the last axis fastest; paths of files are relative to `folder`.
 
-        Raises InputError for an unknown option, an axis without values, and a combination that contradicts itself.
+        A painting that is planned again is so with its options and, where none is named, its picture.
+        Raises InputError for an unknown option, an axis without values, a combination that contradicts itself, and a
+        painting that cannot be planned again.
         """
         self._check()
-        cells = [self._cell(dict(zip(self.axes, values, strict=True)), folder) for values in product(*self._lists())]
+        read = cache(read_painting)
+        cells = [self._cell(dict(zip(self.axes, each, strict=True)), folder, read) for each in product(*self._lists())]
         names = Counter(cell.name.casefold() for cell in cells)
         name, times = names.most_common(1)[0]
         if times > 1:
@@ -99,12 +106,15 @@ class Grid(BaseModel):
         if cells > MOST_CELLS:
             raise InputError.of_range("the number of cells", cells, f"at most {MOST_CELLS}; shorten an axis")
 
-    def _cell(self, values: dict[str, JsonValue], folder: Path) -> Cell:
+    def _cell(self, values: dict[str, JsonValue], folder: Path, read: Callable[[Path], Painting]) -> Cell:
         name = _cut("_".join(_label(*each) for each in values.items()), _LONG_NAME)
         given: dict[str, Any] = {
             each: _placed(each, value, folder) for each, value in {**self.options, **values}.items()
         }
         picture = given.pop(_PICTURE, None)
+        if isinstance(file := given.get("again"), Path):
+            painting = read(file)
+            picture, given = picture or picture_near(painting, file), {**kept_options(painting, given), **given}
         if picture is None and given.get("text") is None:
             raise InputError("there is nothing to paint; give the axes or the options a picture, or a text")
         try:
