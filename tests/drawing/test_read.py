@@ -16,7 +16,7 @@ from maulstick.ordering.sequence import sequenced
 from maulstick.painting.painting_file import read_painting, write_painting
 from maulstick.painting.refined import refined
 from maulstick.storage.arrays import Floats
-from tests.drawing.conftest import SPACES, Read, labels, millimetres, points
+from tests.drawing.conftest import PAGE, SPACES, Read, labels, millimetres, points
 
 SQUARE = '<path d="M20 10h20v20h-20z" fill="{}" stroke="none"/>'
 
@@ -61,6 +61,20 @@ def test_clips_cut_what_lies_outside_them_also_within_each_other(read: Read) -> 
         [[10, 35], [20, 35]],
         [[30, 35], [40, 35]],
         [[0, 49], [90, 49]],
+    ]
+
+
+@pytest.mark.parametrize("place", ["root", "group", "clip", "rule"])
+def test_a_clip_has_the_rule_of_what_it_stands_in_and_not_of_what_it_cuts(read: Read, place: str) -> None:
+    said = {each: 'style="fill-rule:evenodd;clip-rule:evenodd"' if each == place else "" for each in ("group", "clip")}
+    body = (
+        f"<style>{'#a { clip-rule: evenodd }' if place == 'rule' else ''}</style>"
+        f'<g {said["group"]}><clipPath id="a" {said["clip"]}><path d="M0 0h60v20h-60zM20 0h10v20h-10z"/></clipPath></g>'
+        '<g clip-rule="nonzero" clip-path="url(#a)"><path d="M0 5h90"/></g>'
+    )
+    assert points(read(body, PAGE + (' style="clip-rule:evenodd"' if place == "root" else ""))) == [
+        [[0, 5], [20, 5]],
+        [[30, 5], [60, 5]],
     ]
 
 

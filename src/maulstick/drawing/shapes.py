@@ -12,7 +12,7 @@ from xml.etree.ElementTree import Element
 import numpy as np
 from svgelements import Matrix  # type: ignore[import-untyped]
 
-from maulstick.drawing.css import GEOMETRY, INHERITED, Rgb, Style, colour_of, is_zero, referred, unread
+from maulstick.drawing.css import GEOMETRY, Rgb, Style, colour_of, inherited, is_zero, referred, unread
 from maulstick.drawing.document import INKSCAPE, SVG_SPACE, Page, Viewport, numbers, transform_of, viewed
 from maulstick.drawing.geometry import is_shape, outline
 from maulstick.drawing.lines import bounds_of
@@ -110,7 +110,7 @@ class Walk:
         """
         own = self.sheet.of(self.root)
         if self._is_shown(own):
-            yield from self._children(self.root, _Place(self.page.matrix, self.page.viewport, _inherited({}, own)))
+            yield from self._children(self.root, _Place(self.page.matrix, self.page.viewport, inherited({}, own)))
 
     def _is_shown(self, own: Style) -> bool:
         """Return whether what lies in an element with these properties can be seen."""
@@ -136,7 +136,7 @@ class Walk:
         self._count += 1
         if self._count > _MOST_ELEMENTS:
             raise InputError(f"it has over {_MOST_ELEMENTS} elements, counting every <use> of them; split it")
-        style = _inherited(place.style, own)
+        style = inherited(place.style, own)
         if tag in _GROUPS or tag == "use":
             yield from self._group(element, tag, own, replace(place, style=style))
         elif style.get("visibility", "visible") == "visible":
@@ -222,7 +222,7 @@ class Walk:
             return
         sized = [element if element.get(name) is not None else target for name in ("width", "height")]
         box = 0.0, 0.0, view.x(sized[0], "width", "100%"), view.y(sized[1], "height", "100%")
-        place = replace(place, style=_inherited(place.style, own))
+        place = replace(place, style=inherited(place.style, own))
         yield from self._children(target, self._within(target, own, box, place))
 
     def _within(self, element: Element, own: Style, box: tuple[float, float, float, float], place: _Place) -> _Place:
@@ -269,8 +269,8 @@ class Walk:
         if at not in self._clips:
             before, self._clipping = self._clipping, True
             own = self.sheet.of(clip)
-            inner = self._transformed(own, replace(place, style={}, clips=(), used=(*place.used, key)))
-            shapes = tuple(self._children(clip, self._clipped(element, own, inner)))
+            bare = replace(place, style=self.sheet.where_it_stands(clip), clips=(), used=(*place.used, key))
+            shapes = tuple(self._children(clip, self._clipped(element, own, self._transformed(own, bare))))
             self._clipping = before
             self._clips[at] = Clip(shapes)
         return (self._clips[at],)
@@ -293,8 +293,3 @@ class Walk:
 def _named(element: Element) -> str:
     name = element.get(f"{INKSCAPE}label") or element.get("id")
     return "" if name is None else f" ({name[:40]!r})"
-
-
-def _inherited(style: Style, own: Style) -> Style:
-    """Return the style of an element in which its own properties count before those of its parents."""
-    return {**style, **{name: own[name] for name in INHERITED if name in own}} if own else style
