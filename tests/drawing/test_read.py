@@ -126,6 +126,13 @@ def test_masks_and_markers_are_said_to_be_passed_over(read: Read) -> None:
     assert read(body).notes == ("passed over: markers, masks",)
 
 
+def test_a_clip_by_a_basic_shape_is_said_to_be_passed_over(read: Read) -> None:
+    assert read('<path style="clip-path:circle(9px at 9px 9px)" d="M0 9h9"/>').notes == (
+        "passed over: clips by CSS's basic shapes",
+    )
+    assert read('<path style="clip-path:none" clip-path="inset(1px)" d="M0 9h9"/>').notes == ()
+
+
 def test_dashes_are_said_to_be_passed_over_where_there_are_any(read: Read) -> None:
     solid = '<path stroke-dasharray="none" stroke="red" d="M0 9h9"/><path stroke-dasharray="2" d="M0 9h9"/>'
     assert read(solid).notes == ()

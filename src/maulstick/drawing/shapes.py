@@ -184,15 +184,7 @@ class Walk:
             matrix = Matrix.translate(view.x(element, "x"), view.y(element, "y")) * place.matrix
             yield from self._used(element, self._clipped(element, own, replace(place, matrix=matrix)))
             return
-        place = self._clipped(element, own, place)
-        if tag == "svg":
-            box = (
-                view.x(element, "x"),
-                view.y(element, "y"),
-                view.x(element, "width", "100%"),
-                view.y(element, "height", "100%"),
-            )
-            place = self._within(element, own, box, place)
+        place = self._within(element, own, place) if tag == "svg" else self._clipped(element, own, place)
         yield from self._children(element, place)
 
     def _group_of(self, element: Element, tag: str, place: _Place) -> Group | None:
@@ -211,30 +203,29 @@ class Walk:
             return
         if link in place.used:
             raise InputError(f"a <use> in it uses itself, by {link[:60]!r}; take that out")
-        view = place.viewport
         place = replace(place, used=(*place.used, link), depth=place.depth + 1)
-        tag = local_name(target)
-        if tag not in ("symbol", "svg"):
+        if local_name(target) not in ("symbol", "svg"):
             yield from self._element(target, place)
             return
         own = self.sheet.of(target)
-        if not self._is_shown(own):
-            return
-        sized = [element if element.get(name) is not None else target for name in ("width", "height")]
-        box = 0.0, 0.0, view.x(sized[0], "width", "100%"), view.y(sized[1], "height", "100%")
-        place = replace(place, style=inherited(place.style, own))
-        yield from self._children(target, self._within(target, own, box, place))
+        if self._is_shown(own):
+            place = self._transformed(own, replace(place, style=inherited(place.style, own)))
+            yield from self._children(target, self._within(target, own, place, element))
 
-    def _within(self, element: Element, own: Style, box: tuple[float, float, float, float], place: _Place) -> _Place:
-        """Return the place inside an element with a viewport of its own, at `box`: x, y, width and height."""
-        clips = place.clips
+    def _within(self, element: Element, own: Style, place: _Place, use: Element | None = None) -> _Place:
+        """Return the place inside an element with a viewport of its own, whose size its <use> may say instead."""
+        view, clips = place.viewport, place.clips
+        across, down = (element if use is None or use.get(name) is None else use for name in ("width", "height"))
+        corner = view.x(element, "x"), view.y(element, "y")
+        box = (*corner, view.x(across, "width", "100%"), view.y(down, "height", "100%"))
         if own.get("overflow", "hidden") not in ("visible", "auto"):
             frame = Element(
                 "rect", {name: f"{side!r}" for name, side in zip(("x", "y", "width", "height"), box, strict=True)}
             )
             clips = (*clips, Clip(tuple(self._shape(frame, {}, replace(place, clips=())))))
         matrix, viewport = viewed(element, box)
-        return replace(place, matrix=matrix * place.matrix, viewport=viewport, clips=clips)
+        inside = replace(place, matrix=matrix * place.matrix, viewport=viewport, clips=clips)
+        return self._clipped(element, own, inside)
 
     def _transformed(self, own: Style, place: _Place) -> _Place:
         """Return the place after the transform that an element, or a clip of it, has of its own."""
@@ -252,6 +243,8 @@ class Walk:
         if referred(own.get("mask")):
             self.passed_over.add("masks")
         name = referred(own.get("clip-path"))
+        if name is None and own.get("clip-path", "none").lower() not in ("none", "initial", "revert", ""):
+            self.passed_over.add("clips by CSS's basic shapes")
         if name is not None and name in self._named:
             place = replace(place, clips=(*place.clips, *self._clips_of(element, name, place)))
         return place
@@ -283,7 +276,7 @@ class Walk:
         if tag == "use":
             shapes = self._used(element, place)
         else:
-            shapes = self._shape(element, own, place) if is_shape(tag) else self._group(element, tag, own, place)
+            shapes = self._shape(element, own, place) if is_shape(tag) else self._children(element, place)
         chains = [chain for shape in shapes for chain in shape.chains]
         self.faulty, self._clipping = faulty, before  # its paths are counted where they are drawn
         (left, top), (right, bottom) = bounds_of(chains) if chains else np.zeros((2, 2))
