@@ -79,6 +79,8 @@ def plan(
     path = Path(picture) if isinstance(picture, str | Path) else None
     image = None if picture is None or path is not None else image_of(picture)
     before = None
+    if again is None and options is not None:
+        again = options.again
     if again is not None:
         before = _before(again, changes.get("background", options.background if options else None))
         options, changes = options or planned_before(before.painting, changes), changes if options else {}
