@@ -35,8 +35,8 @@ _NAMES = {each.name for each in fields(PlanOptions)}
 def plan(
     picture: Picture | None = None,
     *,
-    style: str | Style | None = None,
-    brush: str | Brush | Sequence[str | Brush] | None = None,
+    style: str | Path | Style | None = None,
+    brush: str | Path | Brush | Sequence[str | Path | Brush] | None = None,
     again: records.Painting | str | Path | None = None,
     options: PlanOptions | None = None,
     progress: Progress | None = None,
@@ -68,13 +68,13 @@ def plan(
         if name not in _NAMES:
             raise InputError.of_choice("option", name, _NAMES)
     if style is not None:
-        changes["style"] = style if isinstance(style, str) else style.name
+        changes["style"] = style.name if isinstance(style, Style) else str(style)
     brushes: tuple[Brush, ...] = ()
-    if isinstance(brush, str):
-        changes["brush"] = brush
+    if isinstance(brush, str | Path):
+        changes["brush"] = str(brush)
     elif brush is not None:
         several = [brush] if isinstance(brush, Brush) else brush
-        brushes = in_painting_order(load_brush(each) if isinstance(each, str) else each for each in several)
+        brushes = in_painting_order(each if isinstance(each, Brush) else load_brush(each) for each in several)
         changes["brush"] = names_of(brushes)
     path = Path(picture) if isinstance(picture, str | Path) else None
     image = None if picture is None or path is not None else image_of(picture)
@@ -121,8 +121,8 @@ def render(painting: records.Painting | str | Path, px: int = 1024) -> Pillow.Im
 def compare(painting: records.Painting | str | Path, picture: Picture) -> Metrics:
     """Measure how near a painting, or the painting.json at a path, comes to a picture, over the picture's area.
 
-    Returns `Metrics`: mse, psnr in dB, ssim, and the mse after a blur of 4 pixels, of the sheet at 512 pixels, each the
-    mean of 4 by 4 finer ones.
+    Returns `Metrics`: mse, psnr in dB, ssim, and the mse after a blur of 4 pixels, of the sheet 512 pixels high, each
+    the mean of 4 by 4 finer ones.
     Raises InputError where the painting or the picture cannot be used.
 
         >>> 0 < compare(painting, demo_picture).psnr < 100
