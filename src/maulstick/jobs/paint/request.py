@@ -37,6 +37,4 @@ class PaintRequest:
             others = f"{option('restart')}, {option('from_stroke')} and {option('from_pen')}"
             raise InputError(f"{option('resume')} knows where to go on; leave out {others}")
         if self.from_stroke is not None and self.from_pen is not None:
-            raise InputError(
-                f"{option('from_stroke')} and {option('from_pen')} both say where to begin; leave out one"
-            )
+            raise InputError(f"{option('from_stroke')} and {option('from_pen')} both say where to begin; leave out one")
