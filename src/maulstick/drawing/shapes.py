@@ -24,7 +24,6 @@ from maulstick.storage.arrays import Floats
 NEVER: Final = "%"
 """First character of the label of a layer that is not plotted."""
 
-_OF_PLACE = ("clip-path", "mask", "transform")  # properties that do not count within an element
 _MOST_ELEMENTS = 1_000_000  # with every <use> and clip replaced: ten times a large drawing
 _DEEPEST = 100  # of groups within groups: more than programs write, and less than Python's stack allows
 _GROUPS = ("svg", "g", "a", "switch")
@@ -99,9 +98,9 @@ class Walk:
         self._named = {
             name: element for element in reversed(list(self.root.iter())) if (name := element.get("id")) is not None
         }
-        self._clips: dict[tuple[str, str], Clip] = {}
+        self._clips: dict[tuple[str, str, tuple[int, ...]], Clip] = {}
         self._count = 0
-        self._clipping = False
+        self._clipping = self._measuring = False
 
     def shapes(self) -> Iterator[Shape]:
         """Yield all shapes that can be seen, in their order.
@@ -245,7 +244,7 @@ class Walk:
         name = referred(own.get("clip-path"))
         if name is None and own.get("clip-path", "none").lower() not in ("none", "initial", "revert", ""):
             self.passed_over.add("clips by CSS's basic shapes")
-        if name is not None and name in self._named:
+        if name is not None and name in self._named and not self._measuring:
             place = replace(place, clips=(*place.clips, *self._clips_of(element, name, place)))
         return place
 
@@ -256,29 +255,29 @@ class Walk:
         key = f"clip {name}"
         if key in place.used:
             raise InputError(f"the clip {name!r} in it clips itself; take that out")
+        own, style = self.sheet.of(clip), self.sheet.where_it_stands(clip)
+        outside = self._clipped(element, own, replace(place, style=style, clips=(), used=(*place.used, key)))
+        inside = self._transformed(own, outside)
         if clip.get("clipPathUnits") == "objectBoundingBox":
-            place = replace(place, matrix=self._box_of(element, place) * place.matrix)
-        at = name, repr(place.matrix)
+            inside = replace(inside, matrix=self._box_of(element, place) * inside.matrix)
+        at = name, repr(inside.matrix), tuple(map(id, inside.clips))
         if at not in self._clips:
             before, self._clipping = self._clipping, True
-            own = self.sheet.of(clip)
-            bare = replace(place, style=self.sheet.where_it_stands(clip), clips=(), used=(*place.used, key))
-            shapes = tuple(self._children(clip, self._clipped(element, own, self._transformed(own, bare))))
+            self._clips[at] = Clip(tuple(self._children(clip, inside)))
             self._clipping = before
-            self._clips[at] = Clip(shapes)
         return (self._clips[at],)
 
     def _box_of(self, element: Element, place: _Place) -> Matrix:
-        """Return what takes the unit square to the box around an element's shapes, in its own coordinates."""
-        own = {name: each for name, each in self.sheet.of(element).items() if name not in _OF_PLACE}
+        """Return what takes the unit square to the box around an element's unclipped shapes, in its coordinates."""
+        own = {name: each for name, each in self.sheet.of(element).items() if name != "transform"}
         place, tag = replace(place, matrix=Matrix(), clips=()), local_name(element)
-        faulty, before, self._clipping = self.faulty, self._clipping, False
+        faulty, before, self._clipping, self._measuring = self.faulty, self._clipping, False, True
         if tag == "use":
             shapes = self._used(element, place)
         else:
             shapes = self._shape(element, own, place) if is_shape(tag) else self._children(element, place)
         chains = [chain for shape in shapes for chain in shape.chains]
-        self.faulty, self._clipping = faulty, before  # its paths are counted where they are drawn
+        self.faulty, self._clipping, self._measuring = faulty, before, False  # paths are counted where they are drawn
         (left, top), (right, bottom) = bounds_of(chains) if chains else np.zeros((2, 2))
         return Matrix(right - left, 0, 0, bottom - top, left, top)
 
