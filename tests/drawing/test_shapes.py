@@ -214,8 +214,9 @@ def test_a_curve_is_drawn_as_finely_on_a_large_sheet_as_on_a_small_one(read: Rea
     assert large / small == pytest.approx(4, rel=0.1)
 
 
-def test_faulty_path_data_is_drawn_up_to_the_fault_and_said(read: Read) -> None:
-    drawing = read('<path d="M1 1L2 2L oops"/>')
+@pytest.mark.parametrize("rest", ["L oops", "x 9 9", "; L 9 9", "L Infinity 9", "L 9"])
+def test_faulty_path_data_is_drawn_up_to_the_fault_and_said(read: Read, rest: str) -> None:
+    drawing = read(f'<path d="M1 1L2 2{rest}"/><path d="none"/>')
     assert points(drawing) == [[[1, 1], [2, 2]]]
     assert drawing.notes == ("paths with faulty data are drawn up to the fault: 1",)
 

@@ -1,5 +1,6 @@
 """Outlines of SVG shapes as chains of cubic Béziers, in the shape's own user units."""
 
+import re
 from collections.abc import Callable
 from xml.etree.ElementTree import Element
 
@@ -13,6 +14,7 @@ from maulstick.recording.files.svg_paths import chains_of
 from maulstick.storage.arrays import Floats
 
 _CORNERED = ("polyline", "polygon")
+_FOREIGN = re.compile(r"[^MmZzLlHhVvCcSsQqTtAaEe\d.,+\-\s]")  # to a path's data: svgelements ends there in silence
 
 
 def outline(element: Element, viewport: Viewport) -> tuple[list[Floats], bool]:
@@ -39,7 +41,7 @@ def _path(data: str) -> tuple[list[Floats], bool]:
         path.parse(data)
     except (ValueError, TypeError, IndexError, AttributeError, ZeroDivisionError):
         return _chains(path), False
-    return _chains(path), True
+    return _chains(path), data.strip() == "none" or _FOREIGN.search(data) is None
 
 
 def _chains(path: Path) -> list[Floats]:
