@@ -245,9 +245,10 @@ def test_a_style_and_a_brush_are_planned_with_by_any_path(tmp_path: Path) -> Non
 def test_a_warning_names_the_line_that_called(drawing: Path, tmp_path: Path) -> None:
     file = tmp_path / "drawing.svg"
     file.write_text(SVG.format('<path d="M-5 50h50"/>'))
-    with pytest.warns(UserWarning, match="cut at its edges") as caught:
-        ms.read_painting(file)
-    assert caught[0].filename == __file__
+    for call in (ms.read_painting, ms.render, ms.paint):
+        with pytest.warns(UserWarning, match="cut at its edges") as caught:
+            call(file)
+        assert caught[0].filename == __file__
 
 
 def test_what_the_command_notes_of_a_plan_is_a_warning() -> None:

@@ -2,7 +2,6 @@
 
 import signal
 import threading
-import warnings
 from collections.abc import Callable, Collection, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
@@ -13,6 +12,7 @@ from typing import Any, final
 from PIL import Image as Pillow
 from pydantic import ValidationError
 
+from maulstick.api.warning import warn
 from maulstick.drawing.options import DrawingOptions
 from maulstick.errors import InputError, option, validation_fault
 from maulstick.jobs.paint import session
@@ -172,7 +172,7 @@ class _Callbacks(Operator):
 
     def note(self, sentence: str) -> None:
         """As in `Operator`."""
-        warnings.warn(sentence, stacklevel=2)
+        warn(sentence)
 
     def show(self, photograph: Path) -> None:
         """As in `Operator`."""

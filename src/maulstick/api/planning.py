@@ -1,6 +1,5 @@
 """Planning, rendering and comparing paintings from Python."""
 
-import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import fields, replace
 from pathlib import Path
@@ -9,9 +8,9 @@ from typing import Any
 import numpy as np
 from PIL import Image as Pillow
 
-from maulstick.api.painting import Painting
+from maulstick.api.painting import Painting, read_painting
+from maulstick.api.warning import warn
 from maulstick.errors import InputError
-from maulstick.jobs.paintable import read_paintable
 from maulstick.jobs.plan.again import Again, picture_near, planned_before
 from maulstick.jobs.plan.options import PlanOptions
 from maulstick.jobs.plan.prepare import prepare
@@ -96,7 +95,7 @@ def plan(
         again=before,
     )
     for note in prepared.notes:
-        warnings.warn(note, stacklevel=3)
+        warn(note)
 
     def watch(step: PlanProgress) -> bool:
         return progress is None or progress(step) is not False
@@ -108,7 +107,8 @@ def plan(
 def render(painting: records.Painting | str | Path, px: int = 1024) -> Pillow.Image:
     """Draw a painting, or the painting.json or SVG at a path, as a Pillow image (RGB) that is `px` pixels high.
 
-    Raises InputError where there is no painting, or a side of the image would be longer than 8192 pixels.
+    Raises InputError where there is no painting, or a side of the image would be longer than 8192 pixels. Warns of what
+    of an SVG is not drawn as it says.
 
         >>> render(painting, px=64).size
         (80, 64)
@@ -138,4 +138,4 @@ def _before(again: records.Painting | str | Path, background: str | Path | None)
 
 
 def _read(painting: records.Painting | str | Path) -> records.Painting:
-    return painting if isinstance(painting, records.Painting) else read_paintable(painting).painting
+    return painting if isinstance(painting, records.Painting) else read_painting(painting)

@@ -1,10 +1,10 @@
 """Sweeps from Python: many plans, each in a folder of its own."""
 
-import warnings
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from maulstick.api.warning import warn
 from maulstick.jobs.sweep.grid import grid_of, read_grid
 from maulstick.jobs.sweep.run import RETRIES, SweepRequest
 from maulstick.jobs.sweep.run import sweep as run
@@ -50,12 +50,9 @@ def sweep(
         shares = {each.cell.name: 1.0 if each.finished else each.share for each in standings}
         return progress is None or progress(shares) is not False
 
-    def note(said: str) -> None:
-        warnings.warn(said, stacklevel=2)
-
     if isinstance(grid, Mapping):
         read, folder = grid_of(grid, "the mapping"), Path()
     else:
         read, folder = read_grid(grid), Path(grid).parent
-    rows, _ = run(SweepRequest(read, folder, Path(out), on, at_once, retries), show, note)
+    rows, _ = run(SweepRequest(read, folder, Path(out), on, at_once, retries), show, warn)
     return pd.DataFrame(rows, columns=columns_of(rows))
