@@ -189,8 +189,11 @@ def test_a_picture_of_another_kind_is_refused_and_never_clipped(picture: Any, sa
         ({"weights": ["edges=1"]}, "weights is ['edges=1']; it must be of the kind Mapping[str, float]"),
         ({"pin": [3]}, "pin is [3]; it must be of the kind tuple[str, ...]"),
         ({"paints_from": ["red"]}, "paints_from is ['red']; it must be of the kind Path | None"),
-        ({"style": 3}, "style is 3; it must be of the kind str | Style | None"),
-        ({"brush": ["round", 3]}, "brush is ['round', 3]; it must be of the kind str | Brush | Sequence[str | Brush]"),
+        ({"style": 3}, "style is 3; it must be of the kind str | Path | Style | None"),
+        (
+            {"brush": ["round", 3]},
+            "brush is ['round', 3]; it must be of the kind str | Path | Brush | Sequence[str | Path | Brush]",
+        ),
         ({"again": 3}, "again is 3; it must be of the kind Painting | str | Path | None"),
     ],
 )
@@ -230,12 +233,22 @@ def test_a_style_and_a_brush_are_loaded_by_any_path(tmp_path: Path) -> None:
     assert ms.load_style(file).name == ms.load_style(str(file)).name == "loops"
 
 
+def test_a_style_and_a_brush_are_planned_with_by_any_path(tmp_path: Path) -> None:
+    (tmp_path / "mine.json").write_text(ms.load_brush("marker").model_dump_json())
+    file, quick = Path(ms.__file__).parent / "style" / "built_in" / "loops.json", {"strokes": 5, "steps": 1, "px": 16}
+    one = ms.plan(demo_picture(), style=file, brush=tmp_path / "mine.json", **quick)
+    several = ms.plan(demo_picture(), style=file, brush=[tmp_path / "mine.json", "wash"], **quick)
+    assert {stroke.style.name for stroke in one.strokes if stroke.style} == {"loops"}
+    assert ([*one.brushes], several.provenance.options["brush"]) == (["marker"], "wash,marker")
+
+
 def test_a_warning_names_the_line_that_called(drawing: Path, tmp_path: Path) -> None:
     file = tmp_path / "drawing.svg"
     file.write_text(SVG.format('<path d="M-5 50h50"/>'))
-    with pytest.warns(UserWarning, match="cut at its edges") as caught:
-        ms.read_painting(file)
-    assert caught[0].filename == __file__
+    for call in (ms.read_painting, ms.render, ms.paint):
+        with pytest.warns(UserWarning, match="cut at its edges") as caught:
+            call(file)
+        assert caught[0].filename == __file__
 
 
 def test_what_the_command_notes_of_a_plan_is_a_warning() -> None:
@@ -345,6 +358,35 @@ def test_a_machine_wants_a_file_to_keep_its_journal_beside(painting: ms.Painting
         ms.paint(painting, robot="grbl:/dev/ttyUSB0")
     with pytest.raises(InputError, match="there is no machine 'simply'"):
         ms.paint(painting, robot="simply")
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({"resume": True, "restart": True}, "resume knows where to go on; leave out restart, from_stroke and from_pen"),
+        ({"resume": True, "from_stroke": 2}, "resume knows where to go on"),
+        ({"from_stroke": 1, "from_pen": 1}, "from_stroke and from_pen both say where to begin; leave out one"),
+        ({"unfinished": True}, "unfinished is about the stroke that an earlier run began; it goes with resume"),
+    ],
+)
+def test_ways_to_begin_that_exclude_each_other_are_refused(
+    painting: ms.Painting, tmp_path: Path, options: dict[str, Any], said: str
+) -> None:
+    painting.save(tmp_path / "cat.json")
+    with pytest.raises(InputError, match=said):
+        ms.paint(tmp_path / "cat.json", **options)
+    assert [*tmp_path.iterdir()] == [tmp_path / "cat.json"]
+
+
+def test_only_what_has_a_file_is_gone_on_with(painting: ms.Painting, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="give the path of that file"):
+        ms.paint(painting, resume=True)
+    painting.save(tmp_path / "cat.json")
+    count = len(painting.strokes)
+    result = ms.paint(tmp_path / "cat.json", from_stroke=count)
+    assert (result.painted, result.photograph is None) == (count, False)
+    result = ms.paint(tmp_path / "cat.json", resume=True)
+    assert (result.painted, result.photograph is None) == (count, True)
 
 
 def test_a_long_frieze_is_shown_in_a_notebook_too(painting: ms.Painting) -> None:

@@ -16,7 +16,7 @@ from maulstick.ordering.sequence import sequenced
 from maulstick.painting.painting_file import read_painting, write_painting
 from maulstick.painting.refined import refined
 from maulstick.storage.arrays import Floats
-from tests.drawing.conftest import SPACES, Read, labels, millimetres, points
+from tests.drawing.conftest import PAGE, SPACES, Read, labels, millimetres, points
 
 SQUARE = '<path d="M20 10h20v20h-20z" fill="{}" stroke="none"/>'
 
@@ -64,6 +64,20 @@ def test_clips_cut_what_lies_outside_them_also_within_each_other(read: Read) -> 
     ]
 
 
+@pytest.mark.parametrize("place", ["root", "group", "clip", "rule"])
+def test_a_clip_has_the_rule_of_what_it_stands_in_and_not_of_what_it_cuts(read: Read, place: str) -> None:
+    said = {each: 'style="fill-rule:evenodd;clip-rule:evenodd"' if each == place else "" for each in ("group", "clip")}
+    body = (
+        f"<style>{'#a { clip-rule: evenodd }' if place == 'rule' else ''}</style>"
+        f'<g {said["group"]}><clipPath id="a" {said["clip"]}><path d="M0 0h60v20h-60zM20 0h10v20h-10z"/></clipPath></g>'
+        '<g clip-rule="nonzero" clip-path="url(#a)"><path d="M0 5h90"/></g>'
+    )
+    assert points(read(body, PAGE + (' style="clip-rule:evenodd"' if place == "root" else ""))) == [
+        [[0, 5], [20, 5]],
+        [[30, 5], [60, 5]],
+    ]
+
+
 def test_a_clip_in_units_of_a_box_is_of_what_it_clips(read: Read) -> None:
     body = (
         '<clipPath id="a" clipPathUnits="objectBoundingBox"><rect x=".25" y="0" width=".5" height="1"/></clipPath>'
@@ -79,6 +93,36 @@ def test_a_clip_in_units_of_a_box_is_of_what_it_clips(read: Read) -> None:
     assert bowl[0] == pytest.approx([8, 2 * (12 + 18 * t * (1 - t))], abs=0.05)
     assert bowl[-1] == pytest.approx([24, bowl[0][1]], abs=0.05)
     assert fourth == [pytest.approx([20, 40.25]), pytest.approx([60, 40.75])]
+
+
+def test_a_transform_of_a_clip_is_in_the_units_of_what_it_cuts(read: Read) -> None:
+    clip = '<clipPath id="a" {} clipPathUnits="objectBoundingBox"><rect width=".5" height="2"/></clipPath>'
+    assert points(read(clip.format('transform="translate(5 0)"') + '<path clip-path="url(#a)" d="M10 9L30 10"/>')) == [
+        [[15, 9.25], [25, 9.75]]
+    ]
+
+
+def test_what_cuts_a_clip_lies_where_the_clip_is_used_and_is_of_each_that_it_cuts(read: Read) -> None:
+    body = (
+        '<clipPath id="half" clipPathUnits="objectBoundingBox"><rect width=".5" height="2"/></clipPath>'
+        '<clipPath id="a" clip-path="url(#half)" transform="translate(5 0)"><rect width="90" height="50"/></clipPath>'
+        '<path clip-path="url(#a)" d="M0 9L40 10"/><path clip-path="url(#a)" d="M0 29L80 30"/>'
+        '<clipPath id="b" clip-path="url(#half)" clipPathUnits="objectBoundingBox">'
+        '<rect width="1" height="2"/></clipPath>'
+        '<path clip-path="url(#b)" d="M20 39L40 40"/>'
+    )
+    assert points(read(body)) == [[[5, 9.12], [20, 9.5]], [[5, 29.06], [40, 29.5]], [[20, 39], [30, 39.5]]]
+
+
+def test_what_is_clipped_may_have_parts_in_the_same_clip(read: Read) -> None:
+    clips = (
+        '<clipPath id="half" clipPathUnits="objectBoundingBox"><rect width=".5" height="2"/></clipPath>'
+        '<clipPath id="a" clip-path="url(#half)"><rect width="90" height="50"/></clipPath>'
+    )
+    nested = '<path clip-path="url(#a)" d="M0 9L80 10"/>'
+    for _ in range(40):  # would be measured 2**40 times if each measured what lies in it anew
+        nested = f'<g clip-path="url(#a)">{nested}</g>'
+    assert points(read(clips + nested)) == [[[0, 9], [40, 9.5]]]
 
 
 @pytest.mark.parametrize("units", ["", 'clipPathUnits="objectBoundingBox" transform="scale(.025 1)"'])
@@ -110,6 +154,13 @@ def test_an_empty_clip_hides_all(read: Read) -> None:
 def test_masks_and_markers_are_said_to_be_passed_over(read: Read) -> None:
     body = '<mask id="m"/><marker id="k"/><g mask="url(#m)"><path style="marker-end:url(#k)" d="M0 9h9"/></g>'
     assert read(body).notes == ("passed over: markers, masks",)
+
+
+def test_a_clip_by_a_basic_shape_is_said_to_be_passed_over(read: Read) -> None:
+    assert read('<path style="clip-path:circle(9px at 9px 9px)" d="M0 9h9"/>').notes == (
+        "passed over: clips by CSS's basic shapes",
+    )
+    assert read('<path style="clip-path:none" clip-path="inset(1px)" d="M0 9h9"/>').notes == ()
 
 
 def test_dashes_are_said_to_be_passed_over_where_there_are_any(read: Read) -> None:

@@ -67,6 +67,31 @@ def test_what_lies_outside_a_nested_svg_is_cut_unless_it_overflows(read: Read) -
     assert points(read(nested.format('overflow="visible"'))) == [[[5, 15], [60, 15]]]
 
 
+NESTED = '<svg id="s" x="10" y="5" width="20" height="20" viewBox="0 0 10 10" {}><path d="M1 2L6 2"/></svg>'
+HALF = '<clipPath id="c"><rect width="4" height="9"/></clipPath>'
+
+
+def test_a_nested_svg_is_clipped_in_its_own_units(read: Read) -> None:
+    assert points(read(HALF + NESTED.format('clip-path="url(#c)"'))) == [[[12, 9], [18, 9]]]
+    of_box = HALF.replace("<clipPath", '<clipPath clipPathUnits="objectBoundingBox"').replace('width="4"', 'width=".4"')
+    assert points(read(of_box + NESTED.format('clip-path="url(#c)"').replace("6 2", "6 3")))[0][1] == [16, 9.8]
+
+
+@pytest.mark.parametrize("tag", ["svg", "symbol"])
+def test_a_viewport_that_is_used_keeps_its_place_its_transform_and_its_clip(read: Read, tag: str) -> None:
+    def used(attributes: str) -> list[list[list[float]]]:
+        nested = NESTED.format(attributes).replace("svg", tag)
+        return points(read(f'{HALF}<defs>{nested}</defs><use href="#s" x="30" width="40" height="40"/>'))
+
+    assert used("") == [[[44, 13], [64, 13]]]
+    assert used('transform="translate(0 10)"') == [[[44, 23], [64, 23]]]
+    assert used('clip-path="url(#c)"') == [[[44, 13], [56, 13]]]
+
+
+def test_a_length_that_is_none_counts_as_left_out(read: Read) -> None:
+    assert points(read('<svg x="a lot" width="auto" height="">' + LINE + "</svg>")) == [[[1, 2], [3, 4]]]
+
+
 def test_nested_transforms_apply_from_the_inside_out(read: Read) -> None:
     body = (
         '<g transform="translate(50 10)"><g transform="rotate(90)"><g transform="scale(2) skewX(45)">'
@@ -177,14 +202,21 @@ def test_a_rounded_rectangle_has_round_corners_where_only_one_radius_is_given(re
     assert np.hypot(*(corner - 15).T) == pytest.approx(5, abs=0.02)
 
 
+def test_an_ellipse_without_a_radius_is_none_and_one_that_names_one_is_a_circle(read: Read) -> None:
+    assert len(read('<ellipse cx="50" cy="25" rx="0" ry="9"/>' + LINE).painting.strokes) == 1
+    (circle,) = millimetres(read('<ellipse cx="50" cy="25" ry="9"/>'))
+    assert np.hypot(*(circle - [50, 25]).T) == pytest.approx(9, abs=0.02)
+
+
 def test_a_curve_is_drawn_as_finely_on_a_large_sheet_as_on_a_small_one(read: Read) -> None:
     circle = '<circle cx="50" cy="25" r="20"/>'
     small, large = (len(millimetres(read(circle, size=size))[0]) for size in ((0.1, 0.05), (1.6, 0.8)))
     assert large / small == pytest.approx(4, rel=0.1)
 
 
-def test_faulty_path_data_is_drawn_up_to_the_fault_and_said(read: Read) -> None:
-    drawing = read('<path d="M1 1L2 2L oops"/>')
+@pytest.mark.parametrize("rest", ["L oops", "x 9 9", "; L 9 9", "L Infinity 9", "L 9"])
+def test_faulty_path_data_is_drawn_up_to_the_fault_and_said(read: Read, rest: str) -> None:
+    drawing = read(f'<path d="M1 1L2 2{rest}"/><path d="none"/>')
     assert points(drawing) == [[[1, 1], [2, 2]]]
     assert drawing.notes == ("paths with faulty data are drawn up to the fault: 1",)
 

@@ -188,6 +188,21 @@ def test_python_plans_again_with_the_options_of_the_painting(folder: Path, chang
     assert ms.plan(folder / "disc.png", again=changed, steps=QUICK).strokes == after.strokes
 
 
+def test_a_painting_among_the_options_is_planned_again_as_one_that_is_given(folder: Path, changed: Painting) -> None:
+    file, few = folder / "plan" / "changed.json", PlanOptions(style="loops", size=SIDE, steps=QUICK)
+    among = ms.plan(options=replace(few, again=file))
+    assert among.strokes == ms.plan(again=file, options=few).strokes
+    assert locked(among) == locked(changed)
+
+
+def test_a_brush_that_no_library_has_is_the_paintings_own(tmp_path: Path) -> None:
+    own = ms.load_brush("marker").model_copy(update={"name": "mine"})
+    painting = ms.plan(picture(), brush=own, strokes=5, steps=1, px=16)
+    assert ms.plan(picture(), again=painting).brushes == {"mine": own}
+    with pytest.raises(InputError, match="there is no brush 'yours'"):
+        ms.plan(picture(), again=painting, brush="mine,yours")
+
+
 @few_strokes
 def test_a_single_paint_stays_the_paint_or_the_ink_it_was_however_often_it_is_planned_again(folder: Path) -> None:
     (folder / "tube.csv").write_text("name,colour\nnight,#102040\n")

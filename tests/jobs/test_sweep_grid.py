@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Any, get_type_hints
 
+import numpy as np
 import pytest
 
 from maulstick.errors import InputError
@@ -29,6 +30,13 @@ def test_cells_are_all_combinations_the_last_axis_fastest_and_have_all_options()
     ]
     assert {cell.request.options.strokes for cell in found} == {30}
     assert len({cell.name for cell in found}) == 12
+
+
+def test_values_of_python_are_those_of_a_file() -> None:
+    python = cells(
+        {"seed": np.arange(2), "crop": [(0, 0, 1, 1)]}, picture=Path("a.png"), weights={"edges": np.int64(2)}
+    )
+    assert python == cells({"seed": [0, 1], "crop": [[0, 0, 1, 1]]}, picture="a.png", weights={"edges": 2})
 
 
 def test_names_of_cells_depend_on_their_own_values_alone() -> None:

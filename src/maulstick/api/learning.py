@@ -1,10 +1,10 @@
 """Reading ink, and learning styles and brushes, from Python."""
 
-import warnings
 from collections.abc import Sequence
 from contextlib import nullcontext
 from pathlib import Path
 
+from maulstick.api.warning import warn
 from maulstick.errors import InputError, needs_torch
 from maulstick.jobs.learn import Recorded, learn_style, strokes_of
 from maulstick.jobs.plan.options import PlanOptions
@@ -109,9 +109,9 @@ def fit_brush(trials: str | Path, name: str = "own", *, keep: bool = False) -> B
             write_brush(found.brush, BRUSHES.own() / f"{name}.json")
     left_out = [f"{len(found.left_out)} of {len(drawn)} trials are left out: {'; '.join(found.left_out[:_MOST_SAID])}"]
     for warning in (*found.warnings, *(left_out if found.left_out else ())):
-        warnings.warn(warning, stacklevel=3)
+        warn(warning)
     return found.brush
 
 
 def _warn_of_size(note: str) -> None:
-    warnings.warn(f"{note}; say it with size or longest", stacklevel=5)
+    warn(f"{note}; say it with size or longest")

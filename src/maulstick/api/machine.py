@@ -2,7 +2,6 @@
 
 import signal
 import threading
-import warnings
 from collections.abc import Callable, Collection, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
@@ -13,6 +12,7 @@ from typing import Any, final
 from PIL import Image as Pillow
 from pydantic import ValidationError
 
+from maulstick.api.warning import warn
 from maulstick.drawing.options import DrawingOptions
 from maulstick.errors import InputError, option, validation_fault
 from maulstick.jobs.paint import session
@@ -34,8 +34,8 @@ from maulstick.robot.routine import Prompt
 class PaintResult:
     """What became of a painting.
 
-    strokes, painted: how many it has, and how many are on the sheet.
-    photograph: the sheet as it is now, where the machine is the simulated easel.
+    strokes, painted: how many it has, and how many are on the sheet, those before `from_stroke` among them.
+    photograph: the sheet as it is now, where the simulated easel has painted; None where nothing was left to paint.
     """
 
     strokes: int
@@ -64,24 +64,31 @@ def paint(
     robot: the spec of a machine, as in ``sim`` or ``grbl:/dev/ttyUSB0``, or a `Robot` of your own.
     resume: go on where the journal ends; unfinished: whether the stroke that was under the brush then is painted.
     restart: start again on a new sheet.  from_stroke: the first stroke, counted from 1.  from_pen: the first time that
-    a pen is put in, counted from 1.
+    a pen is put in, counted from 1. Strokes before count as painted.
     progress: called a few times per second.  ask: called with what a person has to do, and returns once it is done;
     by default a question on the terminal.
     options: fields of `PaintOptions`, lengths in metres: easel, tray, speed, replan, camera, picture, view, tag,
     colours, pen, pause_at, refill_after, refill_at, copies; and drawing, the `DrawingOptions` by which an SVG is read,
     as in ``drawing={"hatch": "1mm"}``.
 
-    Raises InputError before anything moves, where the painting does not fit the machine, MachineError where the machine
-    fails, StoppedError and KeyboardInterrupt where it was stopped; its pen is then lifted.
+    Raises InputError before anything moves, where the painting does not fit the machine, or options do not go
+    together, MachineError where the machine fails, StoppedError and KeyboardInterrupt where it was stopped; its pen is
+    then lifted.
 
         >>> paint(painting, robot="sim").photograph.mode
         'RGB'
     """
     asked = _options(robot, options)
+    if unfinished is not None and not resume:
+        raise InputError("unfinished is about the stroke that an earlier run began; it goes with resume")
     with ExitStack() as stack:
         if isinstance(painting, Painting):
             if not asked.simulated:
                 raise InputError("a machine keeps a journal beside the painting; save the painting, and give its path")
+            if resume:
+                raise InputError(
+                    "what was begun is in the journal beside a painting's file; give the path of that file"
+                )
             file = Path(stack.enter_context(TemporaryDirectory())) / "painting.json"
             write_painting(painting, file)
         else:
@@ -165,7 +172,7 @@ class _Callbacks(Operator):
 
     def note(self, sentence: str) -> None:
         """As in `Operator`."""
-        warnings.warn(sentence, stacklevel=2)
+        warn(sentence)
 
     def show(self, photograph: Path) -> None:
         """As in `Operator`."""

@@ -1,6 +1,5 @@
 """A painting in Python: a file, an SVG, and a picture in a notebook."""
 
-import warnings
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Self
@@ -9,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 from pydantic import ValidationError
 
+from maulstick.api.warning import warn
 from maulstick.drawing.options import DrawingOptions
 from maulstick.errors import InputError, validation_fault
 from maulstick.jobs.paintable import read_paintable
@@ -178,5 +178,5 @@ def read_painting(path: str | Path, **drawing: Any) -> Painting:
         raise InputError(validation_fault(error)) from error
     read = read_paintable(path, options)
     for note in read.notes:
-        warnings.warn(note, stacklevel=3)
+        warn(note)
     return Painting.of(read.painting)

@@ -1,6 +1,5 @@
 """Planning, rendering and comparing paintings from Python."""
 
-import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import fields, replace
 from pathlib import Path
@@ -9,9 +8,9 @@ from typing import Any
 import numpy as np
 from PIL import Image as Pillow
 
-from maulstick.api.painting import Painting
+from maulstick.api.painting import Painting, read_painting
+from maulstick.api.warning import warn
 from maulstick.errors import InputError
-from maulstick.jobs.paintable import read_paintable
 from maulstick.jobs.plan.again import Again
 from maulstick.jobs.plan.before import picture_near, planned_before
 from maulstick.jobs.plan.options import PlanOptions
@@ -36,8 +35,8 @@ _NAMES = {each.name for each in fields(PlanOptions)}
 def plan(
     picture: Picture | None = None,
     *,
-    style: str | Style | None = None,
-    brush: str | Brush | Sequence[str | Brush] | None = None,
+    style: str | Path | Style | None = None,
+    brush: str | Path | Brush | Sequence[str | Path | Brush] | None = None,
     again: records.Painting | str | Path | None = None,
     options: PlanOptions | None = None,
     progress: Progress | None = None,
@@ -69,17 +68,19 @@ def plan(
         if name not in _NAMES:
             raise InputError.of_choice("option", name, _NAMES)
     if style is not None:
-        changes["style"] = style if isinstance(style, str) else style.name
+        changes["style"] = style.name if isinstance(style, Style) else str(style)
     brushes: tuple[Brush, ...] = ()
-    if isinstance(brush, str):
-        changes["brush"] = brush
+    if isinstance(brush, str | Path):
+        changes["brush"] = str(brush)
     elif brush is not None:
         several = [brush] if isinstance(brush, Brush) else brush
-        brushes = in_painting_order(load_brush(each) if isinstance(each, str) else each for each in several)
+        brushes = in_painting_order(each if isinstance(each, Brush) else load_brush(each) for each in several)
         changes["brush"] = names_of(brushes)
     path = Path(picture) if isinstance(picture, str | Path) else None
     image = None if picture is None or path is not None else image_of(picture)
     before = None
+    if again is None and options is not None:
+        again = options.again
     if again is not None:
         before = _before(again, changes.get("background", options.background if options else None))
         options, changes = options or planned_before(before.painting, changes), changes if options else {}
@@ -95,7 +96,7 @@ def plan(
         again=before,
     )
     for note in prepared.notes:
-        warnings.warn(note, stacklevel=3)
+        warn(note)
 
     def watch(step: PlanProgress) -> bool:
         return progress is None or progress(step) is not False
@@ -107,7 +108,8 @@ def plan(
 def render(painting: records.Painting | str | Path, px: int = 1024) -> Pillow.Image:
     """Draw a painting, or the painting.json or SVG at a path, as a Pillow image (RGB) that is `px` pixels high.
 
-    Raises InputError where there is no painting, or a side of the image would be longer than 8192 pixels.
+    Raises InputError where there is no painting, or a side of the image would be longer than 8192 pixels. Warns of what
+    of an SVG is not drawn as it says.
 
         >>> render(painting, px=64).size
         (80, 64)
@@ -120,8 +122,8 @@ def render(painting: records.Painting | str | Path, px: int = 1024) -> Pillow.Im
 def compare(painting: records.Painting | str | Path, picture: Picture) -> Metrics:
     """Measure how near a painting, or the painting.json at a path, comes to a picture, over the picture's area.
 
-    Returns `Metrics`: mse, psnr in dB, ssim, and the mse after a blur of 4 pixels, of the sheet at 512 pixels, each the
-    mean of 4 by 4 finer ones.
+    Returns `Metrics`: mse, psnr in dB, ssim, and the mse after a blur of 4 pixels, of the sheet 512 pixels high, each
+    the mean of 4 by 4 finer ones.
     Raises InputError where the painting or the picture cannot be used.
 
         >>> 0 < compare(painting, demo_picture).psnr < 100
@@ -137,4 +139,4 @@ def _before(again: records.Painting | str | Path, background: str | Path | None)
 
 
 def _read(painting: records.Painting | str | Path) -> records.Painting:
-    return painting if isinstance(painting, records.Painting) else read_paintable(painting).painting
+    return painting if isinstance(painting, records.Painting) else read_painting(painting)

@@ -52,6 +52,11 @@ Rgb = tuple[float, float, float]
 """Colour in sRGB, [0, 1]."""
 
 
+def inherited(style: Style, own: Style) -> Style:
+    """Return the style of an element in which its own properties count before those of its parents."""
+    return {**style, **{name: own[name] for name in INHERITED if name in own}} if own else style
+
+
 def referred(value: str | None) -> str | None:
     """Return the id that a property such as ``url(#clip)`` refers to, or None."""
     match = _URL.match((value or "").strip())

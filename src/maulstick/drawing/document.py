@@ -83,12 +83,12 @@ class Viewport:
     height: float
 
     def x(self, element: Element, name: str, otherwise: str = "0") -> float:
-        """Return an attribute that is a length along x, in user units."""
-        return pixels(element.get(name, otherwise), self.width) or 0.0
+        """Return an attribute that is a length along x, in user units; `otherwise` where it is none."""
+        return _length(element.get(name), otherwise, self.width)
 
     def y(self, element: Element, name: str, otherwise: str = "0") -> float:
-        """Return an attribute that is a length along y, in user units."""
-        return pixels(element.get(name, otherwise), self.height) or 0.0
+        """Return an attribute that is a length along y, in user units; `otherwise` where it is none."""
+        return _length(element.get(name), otherwise, self.height)
 
     def other(self, text: str | None) -> float:
         """Return a length along neither, as a radius is, in user units."""
@@ -128,6 +128,11 @@ class Page:
             raise InputError(f"its page is {width:g} x {height:g} pixels; give it a width and a height above 0")
         matrix, viewport = viewed(root, (0.0, 0.0, width, height))
         return cls(width, height, matrix, viewport, said)
+
+
+def _length(text: str | None, otherwise: str, whole: float) -> float:
+    found = pixels(text, whole)
+    return (pixels(otherwise, whole) or 0.0) if found is None else found
 
 
 def _side(text: str | None) -> float | None:

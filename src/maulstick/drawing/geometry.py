@@ -1,5 +1,6 @@
 """Outlines of SVG shapes as chains of cubic Béziers, in the shape's own user units."""
 
+import re
 from collections.abc import Callable
 from xml.etree.ElementTree import Element
 
@@ -13,6 +14,7 @@ from maulstick.recording.files.svg_paths import chains_of
 from maulstick.storage.arrays import Floats
 
 _CORNERED = ("polyline", "polygon")
+_FOREIGN = re.compile(r"[^MmZzLlHhVvCcSsQqTtAaEe\d.,+\-\s]")  # to a path's data: svgelements ends there in silence
 
 
 def outline(element: Element, viewport: Viewport) -> tuple[list[Floats], bool]:
@@ -39,7 +41,7 @@ def _path(data: str) -> tuple[list[Floats], bool]:
         path.parse(data)
     except (ValueError, TypeError, IndexError, AttributeError, ZeroDivisionError):
         return _chains(path), False
-    return _chains(path), True
+    return _chains(path), data.strip() == "none" or _FOREIGN.search(data) is None
 
 
 def _chains(path: Path) -> list[Floats]:
@@ -54,9 +56,8 @@ def _rect(element: Element, viewport: Viewport) -> list[Floats]:
     width, height = viewport.x(element, "width"), viewport.y(element, "height")
     if width <= 0 or height <= 0:
         return []
-    across, down = pixels(element.get("rx"), viewport.width), pixels(element.get("ry"), viewport.height)
-    rx = min(max(next((r for r in (across, down) if r is not None), 0.0), 0.0), width / 2)
-    ry = min(max(next((r for r in (down, across) if r is not None), 0.0), 0.0), height / 2)
+    across, down = _radii(element, viewport)
+    rx, ry = min(across, width / 2), min(down, height / 2)
     if rx > 0 and ry > 0:
         return _chains(Path(Rect(x=x, y=y, width=width, height=height, rx=rx, ry=ry)))
     corners = [[x, y], [x + width, y], [x + width, y + height], [x, y + height], [x, y]]
@@ -69,8 +70,14 @@ def _circle(element: Element, viewport: Viewport) -> list[Floats]:
 
 
 def _ellipse(element: Element, viewport: Viewport) -> list[Floats]:
-    across, down = pixels(element.get("rx"), viewport.width), pixels(element.get("ry"), viewport.height)
-    return _round(element, viewport, across or down or 0.0, down or across or 0.0)
+    return _round(element, viewport, *_radii(element, viewport))
+
+
+def _radii(element: Element, viewport: Viewport) -> tuple[float, float]:
+    """Return the radii along x and y; one that is not given, or below 0, is the other."""
+    along = pixels(element.get("rx"), viewport.width), pixels(element.get("ry"), viewport.height)
+    rx, ry = (None if radius is None or radius < 0 else radius for radius in along)
+    return (ry or 0.0) if rx is None else rx, (rx or 0.0) if ry is None else ry
 
 
 def _round(element: Element, viewport: Viewport, rx: float, ry: float) -> list[Floats]:

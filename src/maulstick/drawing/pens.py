@@ -12,8 +12,8 @@ from maulstick.drawing.shapes import Group, Shape
 _BLACK: Rgb = (0.0, 0.0, 0.0)
 _WHITE: Rgb = (1.0, 1.0, 1.0)  # the paper's: hatching it shows nothing
 _MOST_GROUPS = 16  # that are taken for pens: nobody changes pens more often, where no layer asks for it
-_LABEL = re.compile(r"\s*(!?)\s*(\d*)((?:\s*\+[a-z]\s*\d+)*)(.*)", re.IGNORECASE | re.DOTALL)
-_CODE = re.compile(r"\+([a-z])\s*(\d+)", re.IGNORECASE)
+_LABEL = re.compile(r"\s*(!?)\s*(\d{0,9})((?:\s*\+[a-z]\s*\d{1,9})*)(.*)", re.IGNORECASE | re.DOTALL)
+_CODE = re.compile(r"\+([a-z])\s*(\d{1,9})", re.IGNORECASE)
 _SLOWEST, _FASTEST = 1, 100  # per cent of speed: AxiDraw's own range
 
 
@@ -23,7 +23,7 @@ class LayerName:
 
     number: by which layers are drawn in order, None where there is none.  pauses: whether a ``!`` asks for a pause.
     speed: share of the plotter's highest, in per cent.  delay: seconds before the layer.  height: whether the height
-    of the pen is given.  name: what is left for people.
+    of the pen is given.  name: what is left for people, with a number that is a part of its first word.
     """
 
     number: int | None = None
@@ -41,7 +41,9 @@ class LayerName:
             return cls()
         codes = {letter.upper(): int(number) for letter, number in _CODE.findall(match[3])}
         speed = codes.get("S")
-        plain = "".join(each if each.isprintable() else " " for each in match[4]).strip()
+        is_word = not match[3] and not match[4][:1].isspace()  # as in 0.5 mm and 2B, which the number is a part of
+        said = match[2] + match[4] if is_word else match[4]
+        plain = "".join(each if each.isprintable() else " " for each in said).strip()
         return cls(
             number=int(match[2]) if match[2] else None,
             pauses=bool(match[1]),

@@ -12,7 +12,7 @@ from xml.etree.ElementTree import Element
 import numpy as np
 from svgelements import Matrix  # type: ignore[import-untyped]
 
-from maulstick.drawing.css import GEOMETRY, INHERITED, Rgb, Style, colour_of, is_zero, referred, unread
+from maulstick.drawing.css import GEOMETRY, Rgb, Style, colour_of, inherited, is_zero, referred, unread
 from maulstick.drawing.document import INKSCAPE, SVG_SPACE, Page, Viewport, numbers, transform_of, viewed
 from maulstick.drawing.geometry import is_shape, outline
 from maulstick.drawing.lines import bounds_of
@@ -24,7 +24,6 @@ from maulstick.storage.arrays import Floats
 NEVER: Final = "%"
 """First character of the label of a layer that is not plotted."""
 
-_OF_PLACE = ("clip-path", "mask", "transform")  # properties that do not count within an element
 _MOST_ELEMENTS = 1_000_000  # with every <use> and clip replaced: ten times a large drawing
 _DEEPEST = 100  # of groups within groups: more than programs write, and less than Python's stack allows
 _GROUPS = ("svg", "g", "a", "switch")
@@ -99,9 +98,9 @@ class Walk:
         self._named = {
             name: element for element in reversed(list(self.root.iter())) if (name := element.get("id")) is not None
         }
-        self._clips: dict[tuple[str, str], Clip] = {}
+        self._clips: dict[tuple[str, str, tuple[int, ...]], Clip] = {}
         self._count = 0
-        self._clipping = False
+        self._clipping = self._measuring = False
 
     def shapes(self) -> Iterator[Shape]:
         """Yield all shapes that can be seen, in their order.
@@ -110,7 +109,7 @@ class Walk:
         """
         own = self.sheet.of(self.root)
         if self._is_shown(own):
-            yield from self._children(self.root, _Place(self.page.matrix, self.page.viewport, _inherited({}, own)))
+            yield from self._children(self.root, _Place(self.page.matrix, self.page.viewport, inherited({}, own)))
 
     def _is_shown(self, own: Style) -> bool:
         """Return whether what lies in an element with these properties can be seen."""
@@ -136,7 +135,7 @@ class Walk:
         self._count += 1
         if self._count > _MOST_ELEMENTS:
             raise InputError(f"it has over {_MOST_ELEMENTS} elements, counting every <use> of them; split it")
-        style = _inherited(place.style, own)
+        style = inherited(place.style, own)
         if tag in _GROUPS or tag == "use":
             yield from self._group(element, tag, own, replace(place, style=style))
         elif style.get("visibility", "visible") == "visible":
@@ -184,15 +183,7 @@ class Walk:
             matrix = Matrix.translate(view.x(element, "x"), view.y(element, "y")) * place.matrix
             yield from self._used(element, self._clipped(element, own, replace(place, matrix=matrix)))
             return
-        place = self._clipped(element, own, place)
-        if tag == "svg":
-            box = (
-                view.x(element, "x"),
-                view.y(element, "y"),
-                view.x(element, "width", "100%"),
-                view.y(element, "height", "100%"),
-            )
-            place = self._within(element, own, box, place)
+        place = self._within(element, own, place) if tag == "svg" else self._clipped(element, own, place)
         yield from self._children(element, place)
 
     def _group_of(self, element: Element, tag: str, place: _Place) -> Group | None:
@@ -211,30 +202,29 @@ class Walk:
             return
         if link in place.used:
             raise InputError(f"a <use> in it uses itself, by {link[:60]!r}; take that out")
-        view = place.viewport
         place = replace(place, used=(*place.used, link), depth=place.depth + 1)
-        tag = local_name(target)
-        if tag not in ("symbol", "svg"):
+        if local_name(target) not in ("symbol", "svg"):
             yield from self._element(target, place)
             return
         own = self.sheet.of(target)
-        if not self._is_shown(own):
-            return
-        sized = [element if element.get(name) is not None else target for name in ("width", "height")]
-        box = 0.0, 0.0, view.x(sized[0], "width", "100%"), view.y(sized[1], "height", "100%")
-        place = replace(place, style=_inherited(place.style, own))
-        yield from self._children(target, self._within(target, own, box, place))
+        if self._is_shown(own):
+            place = self._transformed(own, replace(place, style=inherited(place.style, own)))
+            yield from self._children(target, self._within(target, own, place, element))
 
-    def _within(self, element: Element, own: Style, box: tuple[float, float, float, float], place: _Place) -> _Place:
-        """Return the place inside an element with a viewport of its own, at `box`: x, y, width and height."""
-        clips = place.clips
+    def _within(self, element: Element, own: Style, place: _Place, use: Element | None = None) -> _Place:
+        """Return the place inside an element with a viewport of its own, whose size its <use> may say instead."""
+        view, clips = place.viewport, place.clips
+        across, down = (element if use is None or use.get(name) is None else use for name in ("width", "height"))
+        corner = view.x(element, "x"), view.y(element, "y")
+        box = (*corner, view.x(across, "width", "100%"), view.y(down, "height", "100%"))
         if own.get("overflow", "hidden") not in ("visible", "auto"):
             frame = Element(
                 "rect", {name: f"{side!r}" for name, side in zip(("x", "y", "width", "height"), box, strict=True)}
             )
             clips = (*clips, Clip(tuple(self._shape(frame, {}, replace(place, clips=())))))
         matrix, viewport = viewed(element, box)
-        return replace(place, matrix=matrix * place.matrix, viewport=viewport, clips=clips)
+        inside = replace(place, matrix=matrix * place.matrix, viewport=viewport, clips=clips)
+        return self._clipped(element, own, inside)
 
     def _transformed(self, own: Style, place: _Place) -> _Place:
         """Return the place after the transform that an element, or a clip of it, has of its own."""
@@ -252,7 +242,9 @@ class Walk:
         if referred(own.get("mask")):
             self.passed_over.add("masks")
         name = referred(own.get("clip-path"))
-        if name is not None and name in self._named:
+        if name is None and own.get("clip-path", "none").lower() not in ("none", "initial", "revert", ""):
+            self.passed_over.add("clips by CSS's basic shapes")
+        if name is not None and name in self._named and not self._measuring:
             place = replace(place, clips=(*place.clips, *self._clips_of(element, name, place)))
         return place
 
@@ -263,29 +255,29 @@ class Walk:
         key = f"clip {name}"
         if key in place.used:
             raise InputError(f"the clip {name!r} in it clips itself; take that out")
+        own, style = self.sheet.of(clip), self.sheet.where_it_stands(clip)
+        outside = self._clipped(element, own, replace(place, style=style, clips=(), used=(*place.used, key)))
+        inside = self._transformed(own, outside)
         if clip.get("clipPathUnits") == "objectBoundingBox":
-            place = replace(place, matrix=self._box_of(element, place) * place.matrix)
-        at = name, repr(place.matrix)
+            inside = replace(inside, matrix=self._box_of(element, place) * inside.matrix)
+        at = name, repr(inside.matrix), tuple(map(id, inside.clips))
         if at not in self._clips:
             before, self._clipping = self._clipping, True
-            own = self.sheet.of(clip)
-            inner = self._transformed(own, replace(place, style={}, clips=(), used=(*place.used, key)))
-            shapes = tuple(self._children(clip, self._clipped(element, own, inner)))
+            self._clips[at] = Clip(tuple(self._children(clip, inside)))
             self._clipping = before
-            self._clips[at] = Clip(shapes)
         return (self._clips[at],)
 
     def _box_of(self, element: Element, place: _Place) -> Matrix:
-        """Return what takes the unit square to the box around an element's shapes, in its own coordinates."""
-        own = {name: each for name, each in self.sheet.of(element).items() if name not in _OF_PLACE}
+        """Return what takes the unit square to the box around an element's unclipped shapes, in its coordinates."""
+        own = {name: each for name, each in self.sheet.of(element).items() if name != "transform"}
         place, tag = replace(place, matrix=Matrix(), clips=()), local_name(element)
-        faulty, before, self._clipping = self.faulty, self._clipping, False
+        faulty, before, self._clipping, self._measuring = self.faulty, self._clipping, False, True
         if tag == "use":
             shapes = self._used(element, place)
         else:
-            shapes = self._shape(element, own, place) if is_shape(tag) else self._group(element, tag, own, place)
+            shapes = self._shape(element, own, place) if is_shape(tag) else self._children(element, place)
         chains = [chain for shape in shapes for chain in shape.chains]
-        self.faulty, self._clipping = faulty, before  # its paths are counted where they are drawn
+        self.faulty, self._clipping, self._measuring = faulty, before, False  # paths are counted where they are drawn
         (left, top), (right, bottom) = bounds_of(chains) if chains else np.zeros((2, 2))
         return Matrix(right - left, 0, 0, bottom - top, left, top)
 
@@ -293,8 +285,3 @@ class Walk:
 def _named(element: Element) -> str:
     name = element.get(f"{INKSCAPE}label") or element.get("id")
     return "" if name is None else f" ({name[:40]!r})"
-
-
-def _inherited(style: Style, own: Style) -> Style:
-    """Return the style of an element in which its own properties count before those of its parents."""
-    return {**style, **{name: own[name] for name in INHERITED if name in own}} if own else style

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import NamedTuple, Self
 from xml.etree.ElementTree import Element
 
-from maulstick.drawing.css import READ
+from maulstick.drawing.css import READ, Style, inherited
 from maulstick.recording.files.markup import local_name
 
 _COMMENT = re.compile(r"/\*.*?\*/|<!--|-->", re.DOTALL)
@@ -86,7 +86,7 @@ class StyleSheet:
             if isinstance(element.tag, str) and local_name(element) == "style" and _on_screen(element.get("media", "")):
                 for selectors, body in _rules(_COMMENT.sub("", element.text or "")):
                     self._add(selectors, _declared(body))
-        self._parents: dict[Element, Element] = {}
+        self._parents = {child: parent for parent in root.iter() for child in parent}
         self._names: dict[Element, frozenset[str]] = {}  # of those that selectors need
         self._around: dict[Element, frozenset[str]] = {root: frozenset()}  # those of all elements around one
         self._found: dict[tuple[_Selector, Element], bool] = {}
@@ -106,6 +106,16 @@ class StyleSheet:
             given |= properties
         return {name: value for name, value in given.items() if value not in ("inherit", "unset")}
 
+    def where_it_stands(self, element: Element) -> Style:
+        """Return the style of an element by itself and all around it, and not by what refers to it."""
+        line = [element]
+        while line[-1] in self._parents:
+            line.append(self._parents[line[-1]])
+        style: Style = {}
+        for each in reversed(line):
+            style = inherited(style, self.of(each))
+        return style
+
     def _add(self, selectors: str, declared: _Declared) -> None:
         for text in filter(None, (" ".join(each.split()) for each in _listed(selectors))):
             selector = _Selector.of(text)
@@ -117,7 +127,7 @@ class StyleSheet:
                 self.unread = text
 
     def _survey(self, root: Element) -> None:
-        """Note the parent of each element, and the names that it and those around it have."""
+        """Note the names that each element, and those around it, have."""
         needed = {name for rules in self._rules.values() for rule in rules for name in rule.selector.needs}
         for element in root.iter():
             classes = (f".{name}" for name in element.get("class", "").split())
@@ -127,7 +137,6 @@ class StyleSheet:
                 inside |= names
             self._names[element] = names
             for child in element:
-                self._parents[child] = element
                 self._around[child] = inside
 
     def _is_of(self, selector: _Selector, element: Element) -> bool:

@@ -1,6 +1,6 @@
 """Brushes: the numbers of Traj2Stroke (paper), their file, and the place where a commanded path leaves its mark."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Annotated, Self
 
@@ -213,16 +213,17 @@ def load_brush(name: str | Path) -> Brush:
     return brush
 
 
-def load_brushes(names: str) -> tuple[Brush, ...]:
+def load_brushes(names: str, own: Mapping[str, Brush] | None = None) -> tuple[Brush, ...]:
     """Return the brushes of names as `load_brush` takes them, with commas between them, the broadest first.
 
+    own: those of a painting by their names, which come first.
     Raises InputError as `load_brush` does, and for two brushes of one name.
 
         >>> [brush.name for brush in load_brushes("marker,wash")]
         ['wash', 'marker']
     """
-    brushes = [load_brush(name.strip()) for name in names.split(",")]
-    return in_painting_order(brushes)
+    named = [name.strip() for name in names.split(",")]
+    return in_painting_order((own or {}).get(name) or load_brush(name) for name in named)
 
 
 def in_painting_order(brushes: Iterable[Brush]) -> tuple[Brush, ...]:

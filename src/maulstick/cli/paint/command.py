@@ -127,10 +127,6 @@ def paint(
 
     Example: maulstick paint drawing.svg --robot axidraw --size A4 --margin 10
     """
-    if resume and (restart or (from_stroke, from_pen) != (None, None)):
-        raise InputError("--resume knows where to go on; leave out --restart, --from-stroke and --from-pen")
-    if from_stroke is not None and from_pen is not None:
-        raise InputError("--from-stroke and --from-pen both say where to begin; leave out one")
     if unfinished is not None and not resume:
         raise InputError("--unfinished is about the stroke that an earlier run began; it goes with --resume")
     if unfinished is not None and unfinished not in UNFINISHED:

@@ -51,7 +51,7 @@ def prepare(
     sheet = sheet_of(options, picture)
     margin = parse_margin(options.margin, (sheet.width, sheet.height))
     directing = Directing(options, (sheet.height, sheet.width) if picture is None else picture.shape, margin)
-    usual = brushes or load_brushes(options.brush)
+    usual = brushes or load_brushes(options.brush, None if again is None else again.painting.brushes)
     brushes, is_held = _held(directing.brushes(usual), options)
     if again is not None:
         again.check_pressure(options)

@@ -11,7 +11,8 @@ from itertools import product
 from pathlib import Path
 from typing import Any, Final
 
-from pydantic import BaseModel, ConfigDict, Field, JsonValue, TypeAdapter, ValidationError
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, JsonValue, TypeAdapter, ValidationError, field_validator
 
 from maulstick.errors import InputError, validation_fault
 from maulstick.jobs.plan.before import kept_options, picture_near
@@ -61,6 +62,11 @@ class Grid(BaseModel):
     axes: dict[str, list[JsonValue]]
     options: dict[str, JsonValue] = Field(default_factory=dict)
     slurm: dict[str, JsonValue] = Field(default_factory=dict)
+
+    @field_validator("axes", "options", mode="before")
+    @classmethod
+    def _as_in_a_file(cls, value: Any) -> Any:
+        return _written(value)
 
     def cells(self, folder: Path) -> list[Cell]:
         """Return all combinations, the last axis fastest; paths of files are relative to `folder`.
@@ -144,6 +150,17 @@ def grid_of(plain: Mapping[str, object], source: str) -> Grid:
         if "axes" not in plain:
             raise InputError(f"{source} is not a grid; add a table [axes], as in seed = [0, 1]") from error
         raise InputError(f"{source} is not a grid: {validation_fault(error)}") from error
+
+
+def _written(value: Any) -> Any:
+    """Return a value that Python's options take as a file has it: a path as text, a tuple as a list, plain numbers."""
+    if isinstance(value, Mapping):
+        return {name: _written(each) for name, each in value.items()}
+    if isinstance(value, list | tuple):
+        return [_written(each) for each in value]
+    if isinstance(value, np.generic | np.ndarray):
+        return value.tolist()
+    return str(value) if isinstance(value, Path) else value
 
 
 def _placed(name: str, value: JsonValue, folder: Path) -> Any:
