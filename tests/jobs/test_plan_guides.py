@@ -103,6 +103,31 @@ def test_planned_again_it_has_them_and_does_not_paint_them_twice(folder: Path, p
     assert not [s for s in painted_with(prepared_with(folder, again=file)).strokes if s.origin == "guide"]
 
 
+def test_planned_again_its_file_may_have_more_lines_to_follow_but_not_to_paint(
+    tmp_path: Path, folder: Path, painting: Painting
+) -> None:
+    file, again = tmp_path / "guides.svg", tmp_path / "painting.json"
+    write_painting(painting, again)
+    file.write_text(GUIDES.replace("</svg>", '<path d="M0 9 H9" stroke="red"/></svg>'))
+    prepared = prepared_with(folder, guides=file, again=again)
+    assert prepared.provenance.options["painted_guides"] == painting.provenance.options["painted_guides"]
+    file.write_text(GUIDES.replace("</g>", '<path d="M0 9 H9" stroke="red"/></g>'))
+    with pytest.raises(InputError, match="lines on a layer called paint are painted with a new plan"):
+        prepared_with(folder, guides=file, again=again)
+
+
+def test_older_paintings_know_their_painted_guides_by_the_files_name(
+    tmp_path: Path, folder: Path, painting: Painting
+) -> None:
+    options = {name: value for name, value in painting.provenance.options.items() if name != "painted_guides"}
+    older = painting.model_copy(update={"provenance": painting.provenance.model_copy(update={"options": options})})
+    write_painting(older, tmp_path / "painting.json")
+    assert "painted_guides" not in prepared_with(folder, again=tmp_path / "painting.json").provenance.options
+    (tmp_path / "others.svg").write_text(GUIDES)
+    with pytest.raises(InputError, match="lines on a layer called paint are painted with a new plan"):
+        prepared_with(folder, guides=tmp_path / "others.svg", again=tmp_path / "painting.json")
+
+
 def test_one_ink_paints_them_in_the_ink_and_arranged_groups_follow(folder: Path) -> None:
     painting = painted_with(prepared_with(folder, paints=None, ink="black", style="hatching", brush="fineliner"))
     assert {paint.hex for paint in painting.paints} == {"#000000"}

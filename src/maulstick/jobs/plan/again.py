@@ -89,9 +89,16 @@ class Again:
                 f"leave out {option('robot')}, or plan anew"
             )
 
-    def check_guides(self, guides: Path | None, painted: Sequence[Colour]) -> None:
-        """Raise InputError for guides to be painted, of these colours, that are not those of the painting."""
-        if painted and guides is not None and self.painting.provenance.options.get("guides") != guides.name:
+    def check_guides(self, guides: Path | None, painted: str | None) -> None:
+        """Raise InputError for guides to be painted, known by their sum, that are not those of the painting."""
+        if painted is None or guides is None:
+            return
+        options = self.painting.provenance.options
+        if "painted_guides" in options:
+            are_others = options["painted_guides"] != painted
+        else:  # older paintings know only the file's name
+            are_others = options.get("guides") != guides.name
+        if are_others:
             raise InputError(
                 "lines on a layer called paint are painted with a new plan; add them to the painting as strokes, and "
                 "leave that layer out"
@@ -113,9 +120,10 @@ class Again:
         return {paint.hex: paint.name for paint in self.painting.paints if paint.name is not None}
 
     @property
-    def ink(self) -> JsonValue:
-        """Inks that it was planned in, as they were said; None where it is painted."""
-        return self.painting.provenance.options.get("ink")
+    def settled(self) -> dict[str, JsonValue]:
+        """Options that stay as the painting has them, whatever is asked for: its inks, and its painted guides."""
+        options = self.painting.provenance.options
+        return {"ink": options.get("ink"), **{name: options[name] for name in ("painted_guides",) if name in options}}
 
     def in_paints(self, settings: PlannerSettings) -> PlannerSettings:
         """Return the settings with the painting's paints, or its inks."""

@@ -40,6 +40,11 @@ class Directing:
         """Colours of guides that are painted, sRGB in [0, 1]."""
         return () if self._guides is None else self._guides.colours
 
+    @property
+    def painted_sum(self) -> str | None:
+        """Sum of guides that are painted, as of `GuideFile`."""
+        return None if self._guides is None else self._guides.painted_sum
+
     def check_windows(self) -> None:
         """Raise InputError for what is not planned in windows."""
         for name, given in (("regions", self._regions), ("guides", self._guides)):

@@ -10,6 +10,7 @@ import shapely
 
 from maulstick.colour.palette import nearest_paint
 from maulstick.errors import InputError
+from maulstick.jobs.plan.request import sum_of
 from maulstick.painting.brush import Brush
 from maulstick.painting.fit import place_of
 from maulstick.painting.painting import Paint, Painting, Provenance, Stroke, hex_colour
@@ -23,6 +24,7 @@ PAINTED: Final = "paint"
 """Name of the layer, or the group, whose lines are painted as they are."""
 
 
+_DECIMALS = 3  # of lines that are to be known again: processors round differently beyond
 _PRESSURE = 0.5  # of a line that is painted: an SVG says none
 
 
@@ -30,6 +32,7 @@ class GuideFile:
     """Guides of an SVG. Raises InputError where it cannot be read, or has no line.
 
     colours: of the lines that are painted, sRGB in [0, 1], each once.
+    painted_sum: SHA-256 of those lines, by which they are known when a painting is planned again; None for none.
     """
 
     def __init__(self, path: Path) -> None:
@@ -41,6 +44,8 @@ class GuideFile:
         if not shapes:
             raise InputError(f"{path} has no line to follow; draw some, with a stroke and no fill")
         self.colours: tuple[Colour, ...] = tuple(dict.fromkeys(colour for colour, _ in self._painted))
+        known = [[colour, line.round(_DECIMALS).tolist()] for colour, line in self._painted]
+        self.painted_sum = sum_of([self._page, known]) if known else None
 
     def lines_on(self, canvas: Canvas, shape: tuple[int, ...], fit: str, margin: float) -> list[Floats]:
         """Return the lines to follow, (k, 2) metres on a canvas, for a picture of this shape (h, w) laid out so."""

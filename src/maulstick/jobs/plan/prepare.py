@@ -4,6 +4,8 @@ from dataclasses import replace
 from functools import partial
 from importlib.metadata import version
 
+from pydantic import JsonValue
+
 from maulstick.colour.palette import parse_colour
 from maulstick.colour.tubes import NamedPaint, read_paints
 from maulstick.errors import InputError, option
@@ -55,7 +57,7 @@ def prepare(
     brushes, is_held = _held(directing.brushes(usual), options)
     if again is not None:
         again.check_pressure(options)
-        again.check_guides(options.guides, directing.painted_colours)
+        again.check_guides(options.guides, directing.painted_sum)
         brushes, sheet = again.brushes(brushes), again.sheet(sheet)
     finest = finest_of(brushes)
     if options.drawing == "lines":
@@ -118,7 +120,8 @@ def prepare(
     )
     weights = loss_options.weights_to_keep(has_picture=picture is not None)
     used = {"brush": names_of(brushes), "style": style.name, "weights": weights, "device": device.device.type}
-    settled = {} if again is None else {"ink": again.ink}  # in Python options may leave it out, or name another
+    of_guides: dict[str, JsonValue] = {"painted_guides": directing.painted_sum} if options.guides else {}
+    settled = of_guides if again is None else again.settled
     name = request.picture.name if request.picture is not None else None
     sha256 = request.sums[str(request.picture)] if request.picture is not None else None
     of_all = replace(settings, strokes=settings.strokes + len(locked))
