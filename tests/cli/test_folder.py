@@ -1,6 +1,7 @@
 import errno
 import os
 import resource
+import shutil
 import stat
 from collections.abc import Iterator
 from pathlib import Path
@@ -30,6 +31,16 @@ def test_a_folder_with_something_in_it_is_kept_unless_told_otherwise(tmp_path: P
     assert sorted(os.listdir(tmp_path)) == ["letter", *RESULTS]
     assert (tmp_path / "letter").read_text() == "dear"
     assert read_painting(tmp_path / "painting.json").strokes
+
+
+def test_what_is_planned_from_is_not_written_over(tmp_path: Path) -> None:
+    picture, link = tmp_path / "plan" / "preview.png", tmp_path / "link"
+    picture.parent.mkdir()
+    shutil.copy(PORTRAIT, picture)
+    link.symlink_to(picture.parent)
+    ran = paint(link, "--overwrite", photo=picture)
+    assert ran.mistake == f"{picture} is planned from, and the results in {link} would replace it; name another --out"
+    assert contents(picture.parent) == {"preview.png": Path(PORTRAIT).read_bytes()}
 
 
 def test_a_file_is_no_folder_to_paint_into(tmp_path: Path) -> None:

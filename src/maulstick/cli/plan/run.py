@@ -18,7 +18,7 @@ from maulstick.jobs.plan.checkpoints import plan_with
 from maulstick.jobs.plan.prepare import prepare
 from maulstick.jobs.plan.prepared import Prepared
 from maulstick.jobs.plan.request import PlanRequest, state_files
-from maulstick.jobs.plan.results import write_results
+from maulstick.jobs.plan.results import RESULTS, write_results
 from maulstick.painting.brush import finest_of
 from maulstick.painting.video import Video
 from maulstick.planning.result import PlanProgress
@@ -29,9 +29,10 @@ from maulstick.storage.folders import made_folder
 
 def begin(request: PlanRequest, out: Path) -> None:
     """Plan a request, and write the results into the folder `out`."""
-    again = request.options.again
-    if again is not None and again.resolve() == (out / "painting.json").resolve():
-        raise InputError(f"{again} is planned again, and the results in {out} would replace it; name another --out")
+    for file in request.files:
+        if file.name in RESULTS and file.resolve() == (out / file.name).resolve():
+            how = "again" if file == request.options.again else "from"
+            raise InputError(f"{file} is planned {how}, and the results in {out} would replace it; name another --out")
     console, prepared = _console(), prepare(request)
     if request.video is not None and prepared.mural is not None:
         raise InputError("--video records one canvas, and this one is planned in windows; leave it out or lower --px")

@@ -2,6 +2,7 @@
 
 import io
 from pathlib import Path
+from typing import Final
 
 from maulstick.colour.palette import swatches
 from maulstick.painting.painting import Painting
@@ -13,6 +14,15 @@ from maulstick.painting.video import FORMATS, Video
 from maulstick.rendering.preview import preview
 from maulstick.storage.files import atomic_write
 from maulstick.storage.folders import all_or_nothing
+
+RESULTS: Final = (
+    "painting.json",
+    "painting.svg",
+    "preview.png",
+    "palette.png",
+    *(f"progress.{kind}" for kind in FORMATS),
+)
+"""Names of all files that planning may write."""
 
 _PREVIEW_PX = 1024  # height of the preview: fills a screen
 _WIDEST_PX = 4096  # largest width of the preview, for sheets that are much wider than high
