@@ -121,10 +121,10 @@ class GrblStream:
 
     def find_home(self) -> None:
         """Find home by switches, raising StoppedError as `run`. Grbl tells nothing meanwhile; a reset stops it."""
+        self._heed_stop()
         self._send("$H")
         while self._waiting:
-            if self._stopping.is_set():
-                raise StoppedError
+            self._heed_stop()
             self._hear()
 
     def run(self, lines: list[str]) -> None:
@@ -146,9 +146,12 @@ class GrblStream:
                 return status
         return None
 
-    def _go_on(self) -> None:
+    def _heed_stop(self) -> None:
         if self._stopping.is_set():
             raise StoppedError
+
+    def _go_on(self) -> None:
+        self._heed_stop()
         if (now := time.monotonic()) > self._next_report:
             self._line.write(_REPORT + self._override_nearer())
             self._next_report = now + _BETWEEN_REPORTS
