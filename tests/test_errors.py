@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from maulstick.cli.wording import COMMAND_LINE
 from maulstick.errors import InputError, MachineError, MaulstickError, OutputError, Remedy, machine, option
+from maulstick.robot.plotter import LockedError
 from maulstick.robot.robot import StoppedError
 from maulstick.studio.wording import error_text
 
@@ -30,6 +31,7 @@ def test_every_remedy_is_said_by_each_front_end_in_its_own_words(remedy: Remedy)
         (MachineError("the line went silent", Remedy.GO_ON), "the line went silent; then “Go on where it stopped”"),
         (InputError("the journal is damaged", Remedy.RESTART), "the journal is damaged; “Start again on a new sheet”"),
         (InputError("no AxiDraw is plugged in", Remedy.NAME_PORT), "no AxiDraw is plugged in; connect its USB cable"),
+        (LockedError("it is locked", Remedy.UNLOCK), "it is locked; “Set the machine up by hand” homes or unlocks it"),
         (
             InputError(f"another maulstick drives {machine('grbl:/dev/ttyUSB0')}; wait"),
             "another maulstick drives Pen plotter with Grbl at /dev/ttyUSB0; wait",
@@ -45,12 +47,16 @@ def test_every_remedy_is_said_by_each_front_end_in_its_own_words(remedy: Remedy)
 def test_the_page_does_not_speak_like_the_command_line(error: MaulstickError, here: str) -> None:
     sentence = error_text(error)
     assert sentence.startswith(here)
-    assert [word for word in ("--", "PORT", "PATH", "maulstick paint", "command line,") if word in sentence] == []
+    assert [
+        word
+        for word in ("--", "PORT", "PATH", "maulstick paint", "maulstick machine", "command line,")
+        if word in sentence
+    ] == []
 
 
 @given(st.text(), st.sampled_from([None, *Remedy]))
 def test_an_error_is_the_same_once_it_has_crossed_a_process(fault: str, remedy: Remedy | None) -> None:
-    for kind in (InputError, OutputError, MachineError):
+    for kind in (InputError, OutputError, MachineError, LockedError):
         error = kind(fault, remedy, **VALUES)
         again = pickle.loads(pickle.dumps(error))
         assert (type(again), str(again), again.remedy) == (kind, str(error), remedy)

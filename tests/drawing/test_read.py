@@ -114,6 +114,12 @@ def test_what_cuts_a_clip_lies_where_the_clip_is_used_and_is_of_each_that_it_cut
     assert points(read(body)) == [[[5, 9.12], [20, 9.5]], [[5, 29.06], [40, 29.5]], [[20, 39], [30, 39.5]]]
 
 
+def test_a_clip_in_percent_is_of_the_viewport_that_it_is_used_in(read: Read) -> None:
+    line = '<path clip-path="url(#a)" d="M0 5h90"/>'
+    body = f'<clipPath id="a"><rect width="50%" height="50%"/></clipPath>{line}<svg width="60">{line}</svg>'
+    assert points(read(body)) == [[[0, 5], [50, 5]], [[0, 5], [30, 5]]]
+
+
 def test_what_is_clipped_may_have_parts_in_the_same_clip(read: Read) -> None:
     clips = (
         '<clipPath id="half" clipPathUnits="objectBoundingBox"><rect width=".5" height="2"/></clipPath>'

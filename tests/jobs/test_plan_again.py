@@ -201,6 +201,7 @@ def test_a_brush_that_no_library_has_is_the_paintings_own(tmp_path: Path) -> Non
     assert ms.plan(picture(), again=painting).brushes == {"mine": own}
     with pytest.raises(InputError, match="there is no brush 'yours'"):
         ms.plan(picture(), again=painting, brush="mine,yours")
+    assert ms.plan(picture(), again=painting, brush=["mine"]).brushes == {"mine": own}
 
 
 @few_strokes

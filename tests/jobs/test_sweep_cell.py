@@ -14,8 +14,10 @@ from maulstick.jobs.plan.request import PlanRequest, demo_picture
 from maulstick.jobs.sweep import cell
 from maulstick.jobs.sweep.cell import begin, is_finished, plan_cell, read_cell, share_of, summed
 from maulstick.painting.brush import load_brush
+from maulstick.painting.painting_file import write_painting
 from maulstick.robot.journal import journal_of
 from maulstick.storage.files import held
+from tests.support.planned import planned
 
 
 @pytest.fixture
@@ -57,8 +59,8 @@ def test_a_file_that_changed_since_the_sweep_began_is_not_planned(request_here: 
 def test_a_journal_that_went_on_makes_a_cell_anew(request_here: PlanRequest, tmp_path: Path) -> None:
     painting, photograph = tmp_path / "painting.json", tmp_path / "photograph.png"
     journal_of(painting).write_text(json.dumps({"stroke": 1}))
-    for file in (painting, photograph):
-        file.write_text("{}")
+    write_painting(planned(), painting)
+    photograph.write_text("{}")
     on_paper = replace(request_here, options=replace(request_here.options, again=painting, background=photograph))
     assert begin(tmp_path / "cell", summed(on_paper)) is None
     assert begin(tmp_path / "cell", summed(on_paper)) is None
@@ -80,6 +82,19 @@ def test_a_brush_or_a_style_of_a_region_that_changed_makes_a_cell_anew(
     say.write_text(say.read_text().replace("loops", "nobody"))
     with pytest.raises(InputError, match="there is no style 'nobody'"):
         summed(there)
+
+
+def test_a_brush_of_the_painting_that_is_planned_again_is_found_in_it(
+    request_here: PlanRequest, tmp_path: Path
+) -> None:
+    mine, file = load_brush("marker").model_copy(update={"name": "mine"}), tmp_path / "painting.json"
+    paints = tuple(paint.model_copy(update={"brush": "mine"}) for paint in planned().paints)
+    write_painting(planned().model_copy(update={"brushes": {"mine": mine}, "paints": paints}), file)
+    options = replace(request_here.options, again=file, brush="mine", style="loops", size="60x60mm")
+    begin(tmp_path / "cell", summed(replace(request_here, options=options)))
+    assert plan_cell(str(tmp_path / "cell")) is None
+    with pytest.raises(InputError, match="there is no brush 'yours'"):
+        summed(replace(request_here, options=replace(options, brush="yours")))
 
 
 def test_a_share_that_is_not_told_stays_as_it_was(tmp_path: Path) -> None:

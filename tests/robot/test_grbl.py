@@ -386,6 +386,28 @@ def test_a_machine_without_switches_is_not_homed_but_stays_locked() -> None:
         assert (device.state, "$H" in device.lines) == ("Alarm", False)
 
 
+def test_a_servo_holds_the_pen_up_while_a_machine_that_is_not_locked_finds_home() -> None:
+    with FakeGrbl(**WITH_SWITCHES) as device:
+        Grbl(device.port, SERVO).find_home()
+        assert (device.state, device.servo) == ("Idle", SERVO.up)
+
+
+def test_a_machine_that_was_told_to_stop_does_not_begin_to_look_for_home() -> None:
+    with FakeGrbl(locked=True, **WITH_SWITCHES) as device:
+        robot = Grbl(device.port)
+        robot.stop()
+        with pytest.raises(StoppedError):
+            robot.find_home()
+        assert "$H" not in device.lines
+
+
+def test_a_search_for_home_at_no_speed_is_refused() -> None:
+    with FakeGrbl(locked=True, settings=SETTINGS | {22: 1, 24: 0}) as device:
+        with pytest.raises(InputError, match=r"is to look for home at no speed; set \$24 and \$25 above 0"):
+            Grbl(device.port).find_home()
+        assert "$H" not in device.lines
+
+
 def test_a_search_for_home_that_takes_too_long_is_stopped() -> None:
     short = {"settings": SETTINGS | {22: 1, 25: 1e6, 24: 1e6}}
     with FakeGrbl(locked=True, homing=60.0, **short) as device:

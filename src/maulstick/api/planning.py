@@ -69,20 +69,24 @@ def plan(
             raise InputError.of_choice("option", name, _NAMES)
     if style is not None:
         changes["style"] = style.name if isinstance(style, Style) else str(style)
+    if again is None and options is not None:
+        again = options.again
+    before = None
+    if again is not None:
+        before = _before(again, changes.get("background", options.background if options else None))
     brushes: tuple[Brush, ...] = ()
     if isinstance(brush, str | Path):
         changes["brush"] = str(brush)
     elif brush is not None:
+        own = {} if before is None else before.painting.brushes
         several = [brush] if isinstance(brush, Brush) else brush
-        brushes = in_painting_order(each if isinstance(each, Brush) else load_brush(each) for each in several)
+        brushes = in_painting_order(
+            each if isinstance(each, Brush) else own.get(str(each)) or load_brush(each) for each in several
+        )
         changes["brush"] = names_of(brushes)
     path = Path(picture) if isinstance(picture, str | Path) else None
     image = None if picture is None or path is not None else image_of(picture)
-    before = None
-    if again is None and options is not None:
-        again = options.again
-    if again is not None:
-        before = _before(again, changes.get("background", options.background if options else None))
+    if again is not None and before is not None:
         options, changes = options or planned_before(before.painting, changes), changes if options else {}
         if picture is None and not isinstance(again, records.Painting):
             picture = path = picture_near(before.painting, Path(again))

@@ -98,7 +98,7 @@ class Walk:
         self._named = {
             name: element for element in reversed(list(self.root.iter())) if (name := element.get("id")) is not None
         }
-        self._clips: dict[tuple[str, str, tuple[int, ...]], Clip] = {}
+        self._clips: dict[tuple[str, str, Viewport, tuple[int, ...]], Clip] = {}
         self._count = 0
         self._clipping = self._measuring = False
 
@@ -260,7 +260,7 @@ class Walk:
         inside = self._transformed(own, outside)
         if clip.get("clipPathUnits") == "objectBoundingBox":
             inside = replace(inside, matrix=self._box_of(element, place) * inside.matrix)
-        at = name, repr(inside.matrix), tuple(map(id, inside.clips))
+        at = name, repr(inside.matrix), inside.viewport, tuple(map(id, inside.clips))
         if at not in self._clips:
             before, self._clipping = self._clipping, True
             self._clips[at] = Clip(tuple(self._children(clip, inside)))

@@ -31,6 +31,9 @@ DETAILS_LABEL = "Speed, sheet, camera and copies"
 RESTART_LABEL = "Start again on a new sheet"
 """Label of the button that begins a painting anew."""
 
+BY_HAND_LABEL = "Set the machine up by hand"
+"""Label of the panel in which a machine is moved by hand."""
+
 LOOK_AT_IT = "Look at the machine: its pen may still be down."
 """Sentence after an end of which the machine told nothing."""
 
@@ -80,6 +83,7 @@ _PAGE: Final = Wording(
         Remedy.START: "start it",
         Remedy.SAME_MACHINE_OR_RESTART: f"choose that machine, or “{RESTART_LABEL}”",
         Remedy.GO_ON: "then “Go on where it stopped”",
+        Remedy.UNLOCK: f"“{BY_HAND_LABEL}” homes or unlocks it; then start again",
         Remedy.NAME_PICTURE: "choose a plan of a picture, or no camera",
         Remedy.NAME_CAMERA: "choose one",
         Remedy.LEAVE_OUT_CAMERA: "choose that one, or none",

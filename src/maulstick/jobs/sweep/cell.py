@@ -15,6 +15,8 @@ from maulstick.jobs.plan.region_descriptions import RegionDescription, read_desc
 from maulstick.jobs.plan.request import PlanRequest, state_file, state_files, sum_of
 from maulstick.jobs.sweep.grid import LIBRARIES
 from maulstick.painting.brush import load_brushes
+from maulstick.painting.painting import Painting
+from maulstick.painting.painting_file import read_painting
 from maulstick.storage.files import atomic_write, file_sum, file_to_read, held
 from maulstick.storage.folders import as_output_error
 from maulstick.storage.records import read_record, write_record
@@ -107,8 +109,14 @@ def needs_gpu(folder: Path) -> bool:
     return _request(folder).options.device == "cuda"
 
 
-def summed(request: PlanRequest, sum_file: Callable[[Path], str] = file_sum) -> PlanRequest:
+def summed(
+    request: PlanRequest,
+    sum_file: Callable[[Path], str] = file_sum,
+    read: Callable[[Path], Painting] = read_painting,
+) -> PlanRequest:
     """Return a request with the sums of its files, its brush and its style, by which a change is noticed.
+
+    read: reads the painting that is planned again, whose own brushes are found in it.
 
     Raises InputError where one of them is not there.
     """
@@ -117,9 +125,10 @@ def summed(request: PlanRequest, sum_file: Callable[[Path], str] = file_sum) -> 
         file_to_read(request.picture, "picture")
     regions = _said_in(options)
     styles = [options.style, *(said.style for said in regions if said.style is not None)]
-    brushes = [options.brush, *(said.brush for said in regions if said.brush is not None)]
+    own = None if options.again is None else read(options.again).brushes
+    brushes = [(options.brush, own), *((said.brush, None) for said in regions if said.brush is not None)]
     of_styles = ["" if name == "free" else sum_file(style_path(name)) for name in styles]
-    of_brushes = [brush.model_dump(mode="json") for names in brushes for brush in load_brushes(names)]
+    of_brushes = [brush.model_dump(mode="json") for names in brushes for brush in load_brushes(*names)]
     return request.with_sums({_BRUSH: sum_of(of_brushes), _STYLE: "+".join(of_styles)}, sum_file)
 
 

@@ -12,6 +12,7 @@ from typing import Protocol
 from maulstick.errors import InputError, OutputError, option
 from maulstick.jobs.sweep.cell import STOP, begin, is_cell, is_finished, share_of, summed
 from maulstick.jobs.sweep.grid import SHEET, TABLE, Cell, Grid
+from maulstick.painting.painting_file import read_painting
 from maulstick.storage.files import file_sum, held
 from maulstick.storage.folders import as_output_error, made_folder
 
@@ -81,8 +82,8 @@ def opened(grid: Grid, folder: Path, out: Path, note: Callable[[str], None]) -> 
     Raises InputError for a grid that cannot be planned, before anything is written, and for a cell that another process
     plans as it was asked for before; OutputError for a folder that cannot be written, or holds something else.
     """
-    sum_once = cache(file_sum)
-    requests = [(cell, summed(cell.request, sum_once)) for cell in grid.cells(folder)]
+    once = cache(file_sum), cache(read_painting)
+    requests = [(cell, summed(cell.request, *once)) for cell in grid.cells(folder)]
     _check_free(out)
     with made_folder(out):
         taken = f"another sweep works in {out}; wait for it, or choose another {option('out')}"

@@ -100,16 +100,24 @@ class Grbl(KeepsOrigin, LetsGo, LocksItself, HasServo, OverridesSpeed):
     def find_home(self) -> None:
         """As in `LocksItself`, by $H. What interrupts it stops the machine, and leaves it locked."""
         with closing(SerialLine(self._port, self._baud)) as line:
-            settings = settings_of(self._reset(line).ask("$$"))
+            stream = self._reset(line)
+            settings = settings_of(stream.ask("$$"))
             try:
                 at_switches, seconds = settings[22], homing_seconds(settings)
             except KeyError as error:
                 raise self._untold(error) from error
+            except ZeroDivisionError as error:
+                raise InputError(
+                    f"the Grbl on {self._port} is to look for home at no speed; set $24 and $25 above 0"
+                ) from error
             if not at_switches:
                 raise InputError(
                     f"the Grbl on {self._port} has no switches to find home by ($22=0); unlock it if its pen stands "
                     "where it did, or else switch it off and on with its pen at home"
                 )
+            if self._pen is not None and stream.status(ready=False).state == "Idle":  # the reset let its servo go
+                gcode = Gcode("grbl", self.limits, self._pen)
+                stream.run(gcode.lift(np.array(self.limits.upper)))
             try:
                 GrblStream(line, self._patience + seconds, self._stopping).find_home()
             except BaseException:

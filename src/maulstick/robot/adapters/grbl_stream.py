@@ -9,7 +9,7 @@ import time
 from typing import Final, final
 
 from maulstick.errors import MachineError, Remedy
-from maulstick.robot.adapters.grbl_answers import ALARMS, ERRORS, HOME, UNLOCK, Status
+from maulstick.robot.adapters.grbl_answers import ALARMS, ERRORS, HOME, Status
 from maulstick.robot.adapters.serial_line import Patience, SerialLine
 from maulstick.robot.plotter import LockedError
 from maulstick.robot.robot import StoppedError
@@ -34,8 +34,9 @@ _UNABLE = {
     "Door": "its safety door is open; close it",
     "Check": "it only checks G-code; send $C, then start again",
     "Sleep": "it sleeps; reset it, then start again",
-    "Alarm": f"it is locked, as its position may be lost; home or unlock it with {UNLOCK}, then start again",
+    "Alarm": "it is locked, as its position may be lost",
 }
+_REMEDIES = {"Door": Remedy.GO_ON, "Alarm": Remedy.UNLOCK}
 
 
 @final
@@ -121,10 +122,10 @@ class GrblStream:
 
     def find_home(self) -> None:
         """Find home by switches, raising StoppedError as `run`. Grbl tells nothing meanwhile; a reset stops it."""
+        self._heed_stop()
         self._send("$H")
         while self._waiting:
-            if self._stopping.is_set():
-                raise StoppedError
+            self._heed_stop()
             self._hear()
 
     def run(self, lines: list[str]) -> None:
@@ -146,9 +147,12 @@ class GrblStream:
                 return status
         return None
 
-    def _go_on(self) -> None:
+    def _heed_stop(self) -> None:
         if self._stopping.is_set():
             raise StoppedError
+
+    def _go_on(self) -> None:
+        self._heed_stop()
         if (now := time.monotonic()) > self._next_report:
             self._line.write(_REPORT + self._override_nearer())
             self._next_report = now + _BETWEEN_REPORTS
@@ -199,8 +203,9 @@ class GrblStream:
             said = ERRORS.get(int(found[1]), "it does not say what that means")
             return MachineError(f"the Grbl on {port} refused the line {line!r} with error {found[1]}: {said}")
         if found := re.fullmatch(r"ALARM:(\d+)", text):
-            said = ALARMS.get(int(found[1]), f"it does not say why; {_UNABLE['Alarm']}")
-            return MachineError(f"the Grbl on {port} raised alarm {found[1]}: {said}")
+            code, unknown = int(found[1]), f"it does not say why; {_UNABLE['Alarm']}"
+            fault = f"the Grbl on {port} raised alarm {code}: {ALARMS.get(code, unknown)}"
+            return MachineError(fault, None if code in ALARMS else Remedy.UNLOCK)
         if text.startswith("Grbl "):
             return MachineError(f"the Grbl on {port} started again by itself; check its power, and {HOME}")
         shown = text if len(text) <= 40 else text[:37] + "..."
@@ -212,8 +217,8 @@ class GrblStream:
     def _check(self, status: Status) -> None:
         state = status.state.split(":")[0]
         if (reason := _UNABLE.get(state)) is not None:
-            kind, remedy = LockedError if state == "Alarm" else MachineError, Remedy.GO_ON if state == "Door" else None
-            raise kind(f"the Grbl on {self._line.port} cannot draw: {reason}", remedy)
+            kind = LockedError if state == "Alarm" else MachineError
+            raise kind(f"the Grbl on {self._line.port} cannot draw: {reason}", _REMEDIES.get(state))
 
     def _starts(self) -> bool:
         """Return whether Grbl greets in time. Raises MachineError where it is not version 1.1."""

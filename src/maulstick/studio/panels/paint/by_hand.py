@@ -9,6 +9,7 @@ from maulstick.jobs.paint.options import PaintOptions
 from maulstick.studio.state.by_hand import HandState
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.widgets.showing import shown_by
+from maulstick.studio.wording import BY_HAND_LABEL
 from maulstick.studio.workers.by_hand import Deed, Jog, SetServo, Standing, Word
 
 _STEPS = {10.0: "10 mm", 1.0: "1 mm", 0.1: "0.1 mm"}
@@ -40,7 +41,7 @@ class ByHandForm:
     ) -> None:
         self._studio, self._hand = studio, studio.by_hand
         self._machine, self._plan, self._kept = machine, plan, kept
-        self.root = ui.expansion("Set the machine up by hand").classes("more")
+        self.root = ui.expansion(BY_HAND_LABEL).classes("more")
         self._heights: list[ui.button] = []  # for pens that no servo lifts
         with self.root:
             self._hint = html.p("Moves the lifted pen step by step, shows where the sheet lies, and tries the pen.")
