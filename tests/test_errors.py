@@ -31,6 +31,10 @@ def test_every_remedy_is_said_by_each_front_end_in_its_own_words(remedy: Remedy)
         (MachineError("the line went silent", Remedy.GO_ON), "the line went silent; then “Go on where it stopped”"),
         (InputError("the journal is damaged", Remedy.RESTART), "the journal is damaged; “Start again on a new sheet”"),
         (InputError("no AxiDraw is plugged in", Remedy.NAME_PORT), "no AxiDraw is plugged in; connect its USB cable"),
+        (
+            MachineError("it lost its place", Remedy.HOME),
+            "it lost its place; “Set the machine up by hand” homes it; without",
+        ),
         (LockedError("it is locked", Remedy.UNLOCK), "it is locked; “Set the machine up by hand” homes or unlocks it"),
         (
             InputError(f"another maulstick drives {machine('grbl:/dev/ttyUSB0')}; wait"),

@@ -36,6 +36,7 @@ class Remedy(Enum):
     START = "leave out resume"
     SAME_MACHINE_OR_RESTART = "leave out robot, or start on a new sheet with restart=True"
     GO_ON = "then go on with paint(..., resume=True)"
+    HOME = "home it with maulstick machine, or without switches turn it off and on with its pen at home"
     UNLOCK = "home or unlock it with maulstick machine, then start again"
     NAME_PICTURE = "name it with picture=..."
     NAME_CAMERA = "name it with camera='usb:0', or 'folder:PATH'"

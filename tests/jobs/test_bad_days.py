@@ -195,7 +195,7 @@ FAULTS = {
     "silent": r"went silent; check cable and power; then go on with paint\(\.\.\., resume=True\)",
     "closed": r"went silent; check cable and power; then go on with paint\(\.\.\., resume=True\)",
     "error:20": "with error 20: ",
-    "ALARM:1": r"alarm 1: .*; home it with maulstick machine before it draws again",
+    "ALARM:1": r"alarm 1: .*; home it with maulstick machine, or without switches",
 }
 
 

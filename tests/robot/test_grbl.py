@@ -190,14 +190,14 @@ GO_ON = r"then go on with paint\(\.\.\., resume=True\)$"
 FAULTS = {
     "error:20": r"refused the line 'G1X.*' with error 20: it does not support a command of G-code$",
     "error:99": r"with error 99: it does not say what that means",
-    "ALARM:1": r"raised alarm 1: a limit switch was hit and its position is lost; home it with maulstick machine "
-    r"before .* without homing \(\$22=0\) switch it off and on with its pen at home",
-    "ALARM:2": r"raised alarm 2: a motion would leave its travel; unlock it, and check where its work origin",
+    "ALARM:1": r"raised alarm 1: a limit switch was hit and its position is lost; home it with maulstick "
+    r"machine, or without switches turn it off and on with its pen at home",
+    "ALARM:2": r"raised alarm 2: a motion would leave its travel; check where its work origin lies; home or unlock it",
     "ALARM:77": r"raised alarm 77: it does not say why; .* home or unlock it with maulstick machine",
     "noise": r"there is noise on the line to /dev/\S+ \('.*'\); check cable and ground; " + GO_ON,
     "lost": r"the line to /dev/\S+ went silent; check cable and power; " + GO_ON,
     "door": r"cannot draw: its safety door is open; close it",
-    "Grbl 1.1h ['$' for help]": r"started again by itself; check its power, and home it with maulstick .*\$22=0",
+    "Grbl 1.1h ['$' for help]": r"started again by itself; check its power; home it with maulstick machine",
 }
 
 

@@ -83,6 +83,7 @@ _PAGE: Final = Wording(
         Remedy.START: "start it",
         Remedy.SAME_MACHINE_OR_RESTART: f"choose that machine, or “{RESTART_LABEL}”",
         Remedy.GO_ON: "then “Go on where it stopped”",
+        Remedy.HOME: f"“{BY_HAND_LABEL}” homes it; without switches turn it off and on with its pen at home",
         Remedy.UNLOCK: f"“{BY_HAND_LABEL}” homes or unlocks it; then start again",
         Remedy.NAME_PICTURE: "choose a plan of a picture, or no camera",
         Remedy.NAME_CAMERA: "choose one",

@@ -123,7 +123,8 @@ class Again:
     def settled(self) -> dict[str, JsonValue]:
         """Options that stay as the painting has them, whatever is asked for: its inks, and its painted guides."""
         options = self.painting.provenance.options
-        return {"ink": options.get("ink"), **{name: options[name] for name in ("painted_guides",) if name in options}}
+        guides = {"painted_guides": options["painted_guides"]} if "painted_guides" in options else {}
+        return {"ink": options.get("ink"), **guides}
 
     def in_paints(self, settings: PlannerSettings) -> PlannerSettings:
         """Return the settings with the painting's paints, or its inks."""

@@ -7,6 +7,7 @@ from typing import Final, Self
 
 import numpy as np
 
+from maulstick.errors import Remedy
 from maulstick.robot.easel import Pen
 from maulstick.robot.limits import Limits
 from maulstick.storage.arrays import Floats
@@ -19,9 +20,6 @@ _ANSWER = 5e-3, 4e-3  # seconds from the end of a motion, or of lifting a servo,
 _NUMBER = r"-?\d+(?:\.\d+)?"
 _TRIPLE = rf"({_NUMBER},{_NUMBER},{_NUMBER})"
 
-UNLOCK: Final = "maulstick machine"
-"""The command that homes and unlocks a Grbl."""
-
 ERRORS: Final = {
     1: "a word of G-code has no letter",
     2: "a number is missing or cannot be read",
@@ -31,7 +29,7 @@ ERRORS: Final = {
     6: "its step pulses are shorter than 3 microseconds; set $0 to 3 or more",
     7: "it could not read its memory and took the factory settings; check $$",
     8: "it takes that $ command only when idle",
-    9: f"it takes no G-code while it is locked; home or unlock it with {UNLOCK}",
+    9: "it takes no G-code while it is locked",
     10: "soft limits need homing; set $22=1 or $20=0",
     11: "a line was too long for it",
     12: "a setting asks for more steps per second than it can make",
@@ -61,22 +59,23 @@ ERRORS: Final = {
     38: "the number of a tool is too large",
 }
 
-HOME: Final = (
-    f"home it with {UNLOCK} before it draws again, or without homing ($22=0) switch it off and on with its pen at home"
-)
-"""What helps a Grbl that has lost its place."""
-
 ALARMS: Final = {
-    1: f"a limit switch was hit and its position is lost; {HOME}",
-    2: f"a motion would leave its travel; unlock it, and check where its work origin lies, with {UNLOCK}",
-    3: f"it was reset while it moved and its position is lost; {HOME}",
+    1: "a limit switch was hit and its position is lost",
+    2: "a motion would leave its travel; check where its work origin lies",
+    3: "it was reset while it moved and its position is lost",
     4: "the probe was not in its first state",
     5: "the probe touched nothing",
-    6: f"homing was interrupted by a reset; {HOME}",
-    7: f"the safety door was opened while homing; close it and {HOME}",
+    6: "homing was interrupted by a reset",
+    7: "the safety door was opened while homing; close it",
     8: "homing could not leave a limit switch; check its wiring, or set a longer pull-off $27",
     9: "homing did not find a limit switch; check its wiring, or set the travels $130 to $132",
 }
+
+REMEDIES: Final = {f"ALARM:{code}": Remedy.HOME for code in (1, 3, 6, 7)} | {
+    "ALARM:2": Remedy.UNLOCK,
+    "error:9": Remedy.UNLOCK,
+}
+"""What helps after some of them, where each front end says it its own way."""
 
 
 @dataclass(frozen=True)

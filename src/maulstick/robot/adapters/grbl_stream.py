@@ -9,7 +9,7 @@ import time
 from typing import Final, final
 
 from maulstick.errors import MachineError, Remedy
-from maulstick.robot.adapters.grbl_answers import ALARMS, ERRORS, HOME, Status
+from maulstick.robot.adapters.grbl_answers import ALARMS, ERRORS, REMEDIES, Status
 from maulstick.robot.adapters.serial_line import Patience, SerialLine
 from maulstick.robot.plotter import LockedError
 from maulstick.robot.robot import StoppedError
@@ -201,13 +201,14 @@ class GrblStream:
         if found := re.fullmatch(r"error:(\d+)", text):
             line = self._waiting[0] if self._waiting else ""
             said = ERRORS.get(int(found[1]), "it does not say what that means")
-            return MachineError(f"the Grbl on {port} refused the line {line!r} with error {found[1]}: {said}")
+            fault = f"the Grbl on {port} refused the line {line!r} with error {found[1]}: {said}"
+            return MachineError(fault, REMEDIES.get(text))
         if found := re.fullmatch(r"ALARM:(\d+)", text):
             code, unknown = int(found[1]), f"it does not say why; {_UNABLE['Alarm']}"
             fault = f"the Grbl on {port} raised alarm {code}: {ALARMS.get(code, unknown)}"
-            return MachineError(fault, None if code in ALARMS else Remedy.UNLOCK)
+            return MachineError(fault, REMEDIES.get(text) if code in ALARMS else Remedy.UNLOCK)
         if text.startswith("Grbl "):
-            return MachineError(f"the Grbl on {port} started again by itself; check its power, and {HOME}")
+            return MachineError(f"the Grbl on {port} started again by itself; check its power", Remedy.HOME)
         shown = text if len(text) <= 40 else text[:37] + "..."
         return MachineError(
             f"there is noise on the line to {port} ({shown!r}); check cable and ground",
