@@ -99,7 +99,7 @@ def machine(
                         entered = True
                         session.attend(keys)
                 except LockedError:
-                    if entered or not isinstance(robot, LocksItself):
+                    if not isinstance(robot, LocksItself):
                         raise
                     session.attend_locked(robot, keys)
                 session.do_outside(robot, keys)
