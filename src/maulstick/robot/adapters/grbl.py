@@ -1,5 +1,6 @@
 """Plotters and small machines that run Grbl 1.1, over a serial port."""
 
+from collections.abc import Iterable
 from contextlib import closing, suppress
 from typing import Literal, final
 
@@ -101,25 +102,20 @@ class Grbl(KeepsOrigin, LetsGo, LocksItself, HasServo, OverridesSpeed):
         """As in `LocksItself`, by $H. What interrupts it stops the machine, and leaves it locked."""
         with closing(SerialLine(self._port, self._baud)) as line:
             stream = self._reset(line)
-            settings = settings_of(stream.ask("$$"))
-            try:
-                at_switches, seconds = settings[22], homing_seconds(settings)
-            except KeyError as error:
-                raise self._untold(error) from error
-            except ZeroDivisionError as error:
-                raise InputError(
-                    f"the Grbl on {self._port} is to look for home at no speed; set $24 and $25 above 0"
-                ) from error
-            if not at_switches:
+            settings = _Settings(stream.ask("$$"), self._port)
+            if not settings[22]:
                 raise InputError(
                     f"the Grbl on {self._port} has no switches to find home by ($22=0); unlock it if its pen stands "
                     "where it did, or else switch it off and on with its pen at home"
                 )
+            if not (settings[24] and settings[25]):
+                raise InputError(f"the Grbl on {self._port} is to look for home at no speed; set $24 and $25 above 0")
+            patience = self._patience + homing_seconds(settings)
             if self._pen is not None and stream.status(ready=False).state == "Idle":  # the reset let its servo go
                 gcode = Gcode("grbl", self.limits, self._pen)
                 stream.run(gcode.lift(np.array(self.limits.upper)))
             try:
-                GrblStream(line, self._patience + seconds, self._stopping).find_home()
+                GrblStream(line, patience, self._stopping).find_home()
             except BaseException:
                 with suppress(MachineError):
                     self._reset(line)
@@ -224,7 +220,7 @@ class Grbl(KeepsOrigin, LetsGo, LocksItself, HasServo, OverridesSpeed):
 
     def _take_settings(self) -> None:
         """Ask the machine for its settings, and set the limits and the work's origin by them."""
-        settings = settings_of(self._stream.ask("$$"))
+        settings = _Settings(self._stream.ask("$$"), self._port)
         origin = work_origin(self._stream.ask("$#"))
         if origin is None:
             raise MachineError(f"the Grbl on {self._port} did not tell where its work's origin lies; start again")
@@ -233,16 +229,11 @@ class Grbl(KeepsOrigin, LetsGo, LocksItself, HasServo, OverridesSpeed):
             at_switches = self._finds_home and is_zero_at_switches(self._stream.ask("$I"))
             own = own_limits(settings, origin, self._pen, at_switches)
             self.limits = own if self._narrower is None else own.narrowed(self._narrower)
-        except KeyError as error:
-            raise self._untold(error) from error
         except ValidationError as error:
             raise InputError(
                 f"the settings of the Grbl on {self._port} leave no limits: {validation_fault(error)}"
             ) from error
         self._origin = origin
-
-    def _untold(self, error: KeyError) -> MachineError:
-        return MachineError(f"the Grbl on {self._port} did not tell its setting ${error}; start again")
 
     def _check_modes(self, settings: dict[int, float]) -> None:
         """Raise MachineError for settings that would make commands mean something else, InputError for a wrong pen."""
@@ -262,3 +253,15 @@ class Grbl(KeepsOrigin, LetsGo, LocksItself, HasServo, OverridesSpeed):
             if not lowest <= target <= highest:
                 allowed = f"{lowest:g} to {highest:g} ($31 to $30 of this Grbl)"
                 raise InputError.of_range(f"the pen's {name}", f"{target:g}", allowed)
+
+
+@final
+class _Settings(dict[int, float]):
+    """Settings of the Grbl on a port, by its answer to $$. Raises MachineError for one that it did not tell."""
+
+    def __init__(self, lines: Iterable[str], port: str) -> None:
+        super().__init__(settings_of(lines))
+        self._port = port
+
+    def __missing__(self, number: int) -> float:
+        raise MachineError(f"the Grbl on {self._port} did not tell its setting ${number}; start again")
