@@ -10,18 +10,24 @@ from tests.support.robot.fake_grbl import WITH_SWITCHES, FakeGrbl
 from tests.support.studio.plans_to_paint import put_plan
 
 
+def take_hold(page: Callable[..., Page], device: FakeGrbl) -> Page:
+    """Take hold of a plotter on the panel Paint, and return its page."""
+    tab = page("/paint?plan=coast", reduced_motion="reduce")  # what still unfolds moves away beneath the mouse
+    tab.get_by_label("Machine", exact=True).click()
+    tab.get_by_role("option", name="Pen plotter with Grbl").click()
+    tab.get_by_label("Port").fill(device.port)
+    tab.get_by_label("Port").press("Enter")
+    tab.get_by_role("button", name="Set the machine up by hand").click()
+    tab.get_by_role("button", name="Take hold of the machine").click()
+    return tab
+
+
 def test_a_plotter_is_moved_step_by_step_and_escape_lifts_its_pen(
     studio: RunningStudio, page: Callable[..., Page]
 ) -> None:
     put_plan(studio.folder, "coast")
     with FakeGrbl(pace=20.0) as device:
-        tab = page("/paint?plan=coast", reduced_motion="reduce")  # what still unfolds moves away beneath the mouse
-        tab.get_by_label("Machine", exact=True).click()
-        tab.get_by_role("option", name="Pen plotter with Grbl").click()
-        tab.get_by_label("Port").fill(device.port)
-        tab.get_by_label("Port").press("Enter")
-        tab.get_by_role("button", name="Set the machine up by hand").click()
-        tab.get_by_role("button", name="Take hold of the machine").click()
+        tab = take_hold(page, device)
         where = tab.get_by_text(re.compile(r"^x .* mm, pen"))
         expect(where).to_have_text("x 0.0, y 0.0, z 5.0 mm, pen lifted")
         expect(tab.get_by_role("button", name="Start painting")).to_be_disabled()
@@ -42,13 +48,7 @@ def test_a_plotter_is_moved_step_by_step_and_escape_lifts_its_pen(
 def test_a_locked_plotter_finds_home_on_the_page(studio: RunningStudio, page: Callable[..., Page]) -> None:
     put_plan(studio.folder, "coast")
     with FakeGrbl(pace=20.0, locked=True, **WITH_SWITCHES) as device:
-        tab = page("/paint?plan=coast", reduced_motion="reduce")
-        tab.get_by_label("Machine", exact=True).click()
-        tab.get_by_role("option", name="Pen plotter with Grbl").click()
-        tab.get_by_label("Port").fill(device.port)
-        tab.get_by_label("Port").press("Enter")
-        tab.get_by_role("button", name="Set the machine up by hand").click()
-        tab.get_by_role("button", name="Take hold of the machine").click()
+        tab = take_hold(page, device)
         expect(tab.get_by_text("The machine is locked, as its place may be lost.")).to_be_visible()
         expect(tab.get_by_role("button", name="Unlock it where it is")).to_be_visible()
         expect(tab.get_by_role("button", name="x +")).to_be_hidden()

@@ -95,8 +95,8 @@ class ByHand:
         if self._waiting < _MOST_WAITING:
             self._waiting += 1
             self._process.tell(word)
-            sentence = "Finding home …" if word is Deed.FIND_HOME else self.state.sentence
-            self._change(phase="moving", sentence=sentence, fault=self.state.fault and word is not Deed.FIND_HOME)
+            said = {"sentence": "Finding home …", "fault": False} if word is Deed.FIND_HOME else {}
+            self._change(phase="moving", **said)
 
     def stop(self) -> str:
         """Stop the machine at once and lift its pen; return what was stopped, or "" where none is in hand."""

@@ -132,6 +132,7 @@ class _Hands:
     def __init__(self) -> None:
         self.is_to_stop = False
         self._robot: Robot | None = None
+        self._undone = ""
         self._words: SimpleQueue[object] = SimpleQueue()
 
     def hear(self, word: object) -> None:
@@ -150,23 +151,22 @@ class _Hands:
         from maulstick.robot.plotter import LockedError, LocksItself
 
         self._robot = robot
+        undone, self._undone = self._undone, ""
         try:
-            deed = self._attend_entered(line, robot, bench)
+            deed = self._attend_entered(line, robot, bench, undone)
         except LockedError:
-            line.say(Locked())
+            line.say(Locked(undone))
             deed = self._wait_for(Deed.FIND_HOME, Deed.UNLOCK)
         if deed is Deed.LET_GO:
             line.say(Loose())
             deed = self._wait_for(Deed.TAKE_HOLD)
-        while deed is Deed.FIND_HOME and isinstance(robot, LocksItself):
-            try:
-                robot.find_home()
-                break
-            except InputError as error:
-                line.say(Locked(error_text(error)))
-                deed = self._wait_for(Deed.FIND_HOME, Deed.UNLOCK)
         if deed is Deed.UNLOCK and isinstance(robot, LocksItself):
             robot.unlock()
+        if deed is Deed.FIND_HOME and isinstance(robot, LocksItself):
+            try:
+                robot.find_home()
+            except InputError as error:
+                self._undone = error_text(error)
         return deed is not Deed.LEAVE
 
     def _wait_for(self, *deeds: Deed) -> Deed:
@@ -176,12 +176,15 @@ class _Hands:
                 return Deed.LEAVE
         return Deed(word)
 
-    def _attend_entered(self, line: Line, robot: "Robot", bench: "Bench") -> Deed:
-        """Enter the machine, and do what the words say; return the last, for which it must not be entered."""
+    def _attend_entered(self, line: Line, robot: "Robot", bench: "Bench", undone: str) -> Deed:
+        """Enter the machine, and do what the words say; return the last, for which it must not be entered.
+
+        undone: why what was asked for before that could not be done, or "".
+        """
         with robot:
             if self.is_to_stop:  # while it was connected, which clears the robot's own stop
                 robot.stop()
-            line.say(_standing(bench))
+            line.say(_standing(bench, undone, bool(undone)))
             while True:
                 word = self._words.get()
                 if word in (Deed.STOP, Deed.LEAVE):
