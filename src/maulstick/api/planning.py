@@ -71,9 +71,8 @@ def plan(
         changes["style"] = style.name if isinstance(style, Style) else str(style)
     if again is None and options is not None:
         again = options.again
-    before = None
-    if again is not None:
-        before = _before(again, changes.get("background", options.background if options else None))
+    background = changes.get("background", options.background if options else None)
+    before = None if again is None else _before(again, background)
     brushes: tuple[Brush, ...] = ()
     if isinstance(brush, str | Path):
         changes["brush"] = str(brush)
@@ -86,9 +85,9 @@ def plan(
         changes["brush"] = names_of(brushes)
     path = Path(picture) if isinstance(picture, str | Path) else None
     image = None if picture is None or path is not None else image_of(picture)
-    if again is not None and before is not None:
+    if before is not None:
         options, changes = options or planned_before(before.painting, changes), changes if options else {}
-        if picture is None and not isinstance(again, records.Painting):
+        if picture is None and isinstance(again, str | Path):
             picture = path = picture_near(before.painting, Path(again))
     if picture is None and changes.get("text") is None and (options is None or options.text is None):
         raise InputError("there is nothing to paint; give a picture, or a text")

@@ -6,7 +6,6 @@ import tomllib
 from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
-from functools import cache
 from itertools import product
 from pathlib import Path
 from typing import Any, Final
@@ -68,15 +67,14 @@ class Grid(BaseModel):
     def _as_in_a_file(cls, value: Any) -> Any:
         return _written(value)
 
-    def cells(self, folder: Path) -> list[Cell]:
+    def cells(self, folder: Path, read: Callable[[Path], Painting] = read_painting) -> list[Cell]:
         """Return all combinations, the last axis fastest; paths of files are relative to `folder`.
 
-        A painting that is planned again is so with its options and, where none is named, its picture.
+        A painting that is planned again is so with its options and, where none is named, its picture. read: reads it.
         Raises InputError for an unknown option, an axis without values, a combination that contradicts itself, and a
         painting that cannot be planned again.
         """
         self._check()
-        read = cache(read_painting)
         cells = [self._cell(dict(zip(self.axes, each, strict=True)), folder, read) for each in product(*self._lists())]
         names = Counter(cell.name.casefold() for cell in cells)
         name, times = names.most_common(1)[0]

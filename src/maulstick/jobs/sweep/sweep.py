@@ -82,8 +82,8 @@ def opened(grid: Grid, folder: Path, out: Path, note: Callable[[str], None]) -> 
     Raises InputError for a grid that cannot be planned, before anything is written, and for a cell that another process
     plans as it was asked for before; OutputError for a folder that cannot be written, or holds something else.
     """
-    once = cache(file_sum), cache(read_painting)
-    requests = [(cell, summed(cell.request, *once)) for cell in grid.cells(folder)]
+    sum_once, read_once = cache(file_sum), cache(read_painting)
+    requests = [(cell, summed(cell.request, sum_once, read_once)) for cell in grid.cells(folder, read_once)]
     _check_free(out)
     with made_folder(out):
         taken = f"another sweep works in {out}; wait for it, or choose another {option('out')}"
