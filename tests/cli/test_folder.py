@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from maulstick.cli.plan import run as paint_run
+from maulstick.jobs.plan import results
 from maulstick.painting.painting_file import read_painting
 from maulstick.storage import folders as folder
 from tests.cli.conftest import PORTRAIT, QUICK, RESULTS, Ran, contents, paint, run_command
@@ -31,6 +32,10 @@ def test_a_folder_with_something_in_it_is_kept_unless_told_otherwise(tmp_path: P
     assert sorted(os.listdir(tmp_path)) == ["letter", *RESULTS]
     assert (tmp_path / "letter").read_text() == "dear"
     assert read_painting(tmp_path / "painting.json").strokes
+
+
+def test_all_that_planning_writes_is_known_by_name() -> None:
+    assert {*RESULTS, *(f"progress.{kind}" for kind in ("mp4", "gif"))} == set(results.RESULTS)
 
 
 def test_what_is_planned_from_is_not_written_over(tmp_path: Path) -> None:
