@@ -105,8 +105,22 @@ def test_however_often_it_is_planned_again_as_many_strokes_are_placed_anew(folde
     assert [each.provenance.options["strokes"] for each in (after, twice)] == [24, 24]
 
 
-def test_fewer_strokes_than_its_paints_may_be_asked_for(folder: Path) -> None:
-    assert len(again(folder / "plan" / "changed.json", strokes=2).strokes) == 19, "all that there are"
+def test_of_fewer_strokes_than_it_was_planned_with_the_locked_ones_stay(folder: Path, changed: Painting) -> None:
+    file = folder / "plan" / "changed.json"
+    fewer = again(file, strokes=8)
+    assert len(fewer.strokes) == 8, "fewer than its paints may be asked for"
+    assert locked(fewer) == locked(changed)
+    assert fewer.provenance.options["strokes"] == 8
+    assert "7 strokes are locked or painted, and strokes asks for no more; unlock some" in refusal(
+        folder, changed, strokes=7
+    )
+
+
+def test_strokes_that_a_person_adds_take_no_other_out(folder: Path) -> None:
+    first = ms.plan(folder / "disc.png", strokes=6, paints=2, steps=QUICK, px=48, size=SIDE, exact=True)
+    more = edited(first, [AddStroke(paint=0, trajectory=CIRCLE, speed=(0.05,) * len(CIRCLE))])
+    write_painting(more, folder / "plan" / "added.json")
+    assert len(again(folder / "plan" / "added.json").strokes) == 7
 
 
 def test_each_paint_is_still_taken_up_once(after: Painting) -> None:

@@ -347,9 +347,22 @@ def test_strokes_that_are_left_out_at_the_start_begin_where_the_canvas_is_furthe
     assert len(new) > 0.8 * (count - len(start))
 
 
-def test_more_strokes_to_start_with_than_are_planned_are_refused(problem: PlanningProblem, planned: PlanResult) -> None:
-    with pytest.raises(InputError, match=r"the number of strokes to start with is .*; it must be at most the 3"):
-        plan(problem, options(strokes=3, paints=1), start=planned.strokes)
+def test_of_too_many_strokes_to_start_with_those_that_would_be_missed_least_are_left_out(
+    problem: PlanningProblem, planned: PlanResult
+) -> None:
+    count, target = len(planned.strokes) // 2, problem.target
+    assert target is not None
+
+    def error_of(start: StrokeParameters) -> float:
+        canvases: list[Tensor] = []
+        nearly_over = Schedule(sorts=(), relocations=(), begins=0.99)
+        few = options(strokes=count, steps=1, exact=True)
+        found = plan(problem, few, lambda at: canvases.append(at.canvas) is None, schedule=nearly_over, start=start)
+        assert len(found.strokes) == count
+        return mse(canvases[0], target)
+
+    orders = [torch.randperm(len(planned.strokes), generator=torch.Generator().manual_seed(seed)) for seed in range(5)]
+    assert error_of(planned.strokes) < 0.8 * min(error_of(planned.strokes[rows[:count]]) for rows in orders)
 
 
 def test_a_plan_says_how_many_strokes_are_painted_before_each_neighbour(

@@ -4,18 +4,22 @@ from collections.abc import Callable
 
 import numpy as np
 import torch
-from torch import Tensor
+from torch import Generator, Tensor
 
 from maulstick.colour.palette import mix_paints
-from maulstick.planning.problem import PlannerSettings
+from maulstick.planning.canvas_loss import CanvasLoss
+from maulstick.planning.parameters import StrokeParameters
+from maulstick.planning.problem import PlannerSettings, PlanningProblem
 from maulstick.planning.stroke_canvas import StrokeCanvas, as_array
-from maulstick.planning.stroke_effects import TargetView, coverage
+from maulstick.planning.stroke_effects import TargetView, coverage, removal_costs
 from maulstick.storage.arrays import Bools, Floats
 
 Loss = Callable[[Tensor], Tensor]
 """Loss of a canvas (C, H, W)."""
 
 _NOTHING = 1e-6  # loss of a sheet that already shows its picture: a difference of a quarter of an 8-bit step
+
+_TAKEN_OUT = 0.1  # share of the strokes that are taken out before the others are judged anew
 
 
 def mix_colours(stroke_canvas: StrokeCanvas, view: TargetView, options: PlannerSettings) -> Floats:
@@ -66,3 +70,20 @@ def needed(stroke_canvas: StrokeCanvas, loss: Loss, costs: Floats, side: float) 
         candidates = candidates[: len(candidates) // 2]
     kept[:] = True
     return kept
+
+
+def thinned(
+    strokes: StrokeParameters, count: int, problem: PlanningProblem, loss: CanvasLoss, generator: Generator
+) -> StrokeParameters:
+    """Return `count` of the strokes, in their order, without those that the canvas would miss least.
+
+    They go in rounds, since of two strokes over each other each is missed little until the other is gone.
+    """
+    with torch.no_grad():
+        loss.ask(StrokeCanvas(strokes, problem).render(), 0, generator)
+    while len(strokes) > count:
+        stroke_canvas = StrokeCanvas(strokes, problem)
+        costs = removal_costs(loss.view, problem.paper, *stroke_canvas.drawn(), generator)
+        out = min(len(strokes) - count, max(1, int(_TAKEN_OUT * len(strokes))))
+        strokes = strokes[torch.argsort(stroke_canvas.by_row(costs), stable=True)[out:].sort().values]
+    return strokes

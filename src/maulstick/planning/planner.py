@@ -16,7 +16,7 @@ from maulstick.planning.brush_choice import best_brushes
 from maulstick.planning.canvas_loss import CanvasLoss
 from maulstick.planning.descent import Descent
 from maulstick.planning.drawn_pixels import coarsest, finest, to_drawn
-from maulstick.planning.improvements import mix_colours, needed, repaint
+from maulstick.planning.improvements import mix_colours, needed, repaint, thinned
 from maulstick.planning.initialise import Initialiser
 from maulstick.planning.lights import across_lights
 from maulstick.planning.memory import keep_freed_memory
@@ -53,14 +53,12 @@ def plan(
     """Plan strokes that turn the paper into what the problem asks for.
 
     watch: called after every step; once it returns False, colours become paints at once and the plan is finished in
-    a few more steps.  start: the strokes to begin with; those that are left out are drawn from the picture.
+    a few more steps.  start: the strokes to begin with; too few are completed from the picture, and of too
+    many those that would be missed least are left out.
     schedule: `Schedule()`, for inks `IN_INK`, or for paints that are given `GIVEN_PAINTS`, when left out.
     resume: what `PlanProgress.state` returned in an earlier run of the same problem; planning goes on from there.
-    Raises InputError for more strokes to start with than are planned, and a state of another plan.
+    Raises InputError for a state of another plan.
     """
-    if start is not None and len(start) > options.strokes:
-        allowed = f"at most the {options.strokes} that are asked for"
-        raise InputError.of_range("the number of strokes to start with", len(start), allowed)
     keep_freed_memory()
     in_paints = Schedule() if options.paints is not None else GIVEN_PAINTS
     schedule = schedule or (IN_INK if options.in_ink else in_paints)
@@ -105,6 +103,8 @@ class _Planning:
         self._lengths = self._style.lengths(options.strokes)  # that strokes are to have, by their ranks
         if start is not None and len(start) < options.strokes:
             start = self._initialiser.completed(start, self._loss.pool)
+        elif start is not None and len(start) > options.strokes:
+            start = thinned(start, options.strokes, problem, self._loss, self._torch_rng)
         self._style_price = StylePrice(self._style, options.strokes, options.seed, start)
         if start is None and not arranged and resume is not None and "spacing" in resume:  # older files have none
             start, self._spacing = StrokeParameters.in_state(resume), resume["spacing"].item()

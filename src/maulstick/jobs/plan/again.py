@@ -139,13 +139,18 @@ class Again:
                 raise not_a_paint(region.colours[0])
 
     def settings(self, settings: PlannerSettings) -> PlannerSettings:
-        """Return the settings for those of the strokes asked for that are not locked."""
-        locked = len(locked_in(self.painting))
-        strokes = max(settings.strokes - self.painted - locked, len(self.left))
+        """Return the settings for those of the strokes asked for that are not locked.
+
+        Strokes are taken out where fewer are asked for than before. Those that a person has added since take none out.
+        """
+        locked, before = len(locked_in(self.painting)), self.painting.provenance.options.get("strokes")
+        strokes, there = settings.strokes - self.painted - locked, self.painted + len(self.painting.strokes)
+        if settings.strokes >= (min(before, there) if isinstance(before, int) else there):
+            strokes = max(strokes, len(self.left))
         if strokes < 1:
+            stay = f"{'' if self.left else 'all '}{self.painted + locked} strokes"
             raise InputError(
-                f"all {self.painted + locked} strokes are locked or painted, and {option('strokes')} asks for no more; "
-                "unlock some, or ask for more"
+                f"{stay} are locked or painted, and {option('strokes')} asks for no more; unlock some, or ask for more"
             )
         return replace(settings, strokes=strokes)
 
