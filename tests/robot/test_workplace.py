@@ -1,3 +1,4 @@
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -6,6 +7,7 @@ import pytest
 from maulstick.painting.painting_file import write_painting
 from maulstick.robot.journal import Journal, journal_of
 from maulstick.robot.routine import Draw, PaintLoad, Prompt
+from maulstick.robot.stops import Stops
 from maulstick.robot.workplace import Workplace, home_of
 from tests.support.robot.recorder import EASEL, Recorder
 from tests.support.robot.small_paintings import SIX
@@ -47,6 +49,27 @@ def test_with_all_painted_there_is_nothing_to_order_and_nothing_to_do(place: Wor
     with place.robot:
         assert place.in_order(SIX) == SIX
         assert place.do(place.left_of(SIX), PaintLoad(1, 0.02)) == PaintLoad(1, 0.02)
+
+
+@pytest.mark.parametrize("is_plotter", [True, False])
+def test_a_plotter_goes_home_while_its_pen_is_changed_or_refilled(
+    place: Workplace, monkeypatch: pytest.MonkeyPatch, is_plotter: bool
+) -> None:
+    monkeypatch.setattr(Recorder, "counts_steps", is_plotter)
+    monkeypatch.setattr(Recorder, "home", np.array([0.0, 0.0]) if is_plotter else None)
+    where: list[tuple[str, tuple[float, ...]]] = []
+
+    def ask(asked: Prompt) -> None:
+        where.append((asked.message[:6], tuple(place.robot.place[:2])))
+
+    aside = Prompt("refill the pen", 1, aside=(0.02, 0.01, 0.0))
+    with Journal.open(place.journal.path) as journal, place.robot:
+        asking = replace(place, journal=journal, ask=ask, stops=Stops(pauses={14: 2}))
+        asking.do([*asking.left_of(SIX), aside])
+    assert [message for message, _ in where] == ["put in", "put in", "do wha", "refill"]
+    at_home = [at == (0.0, 0.0) for _, at in where]
+    assert at_home == ([True, True, False, False] if is_plotter else [False] * 4), "a pause is where it is"
+    assert where[-1][1] == (0.02, 0.01), "where it is asked to be"
 
 
 def test_the_tip_steps_aside_lifted_and_never_lower_than_it_is(place: Workplace) -> None:

@@ -140,7 +140,8 @@ def _step_aside(robot: Robot, place: Floats) -> None:
     height = max(float(robot.place[2]), float(place[2]))
     if height > robot.place[2]:
         robot.lift(height)
-    robot.move(np.array([*place[:2], height]))
+    if (robot.place[:2] != place[:2]).any():
+        robot.move(np.array([*place[:2], height]))
 
 
 def _next_paints(actions: Sequence[Action]) -> list[int | None]:

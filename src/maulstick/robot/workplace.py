@@ -84,8 +84,15 @@ class Workplace:
 
         Prompts for a tool say how long it then draws.
         """
-        actions = timed(actions, self.robot.limits, self.robot.place)
+        actions = [self._at_home(action) for action in timed(actions, self.robot.limits, self.robot.place)]
         return execute(actions, self.robot, self.journal, self.ask, self.watch, self.pause, load, enough, self.pace)
+
+    def _at_home(self, action: Action) -> Action:
+        """Return the action; a plotter's pen is changed or refilled at home, unless another place is asked for."""
+        if not isinstance(action, Prompt) or not action.renews or action.aside or not self.robot.counts_steps:
+            return action
+        x, y, z = home_of(self.robot, self.journal).tolist()
+        return replace(action, aside=(x, y, z))
 
     def moved_to(self, easel: Easel) -> "Workplace":
         """Return the workplace with its sheet on another easel; the tray stays where it stands."""
