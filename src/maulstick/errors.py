@@ -145,6 +145,8 @@ def validation_fault(error: "ValidationError") -> str:
     if isinstance(ours, InputError):
         return f"{field}: {ours}"
     told = str(ours) if isinstance(ours, ValueError) else fault["msg"]
+    if fault["type"] == "json_invalid":  # what came is the whole file
+        return f"{field}: {told}"
     came = repr(fault["input"])
     return f"{field}: {told} (got {came if len(came) <= 60 else came[:57] + '...'})"
 
