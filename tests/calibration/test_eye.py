@@ -197,6 +197,16 @@ def test_an_unplugged_camera_and_a_dark_room_say_what_to_do(studio: Studio, eye:
     assert away(eye.look().image) < PICTURE
 
 
+def test_a_photograph_of_another_size_is_taken_again_as_any_that_fails(
+    studio: Studio, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    eye = Eye.opened(studio.camera, CANVAS, TAGS, (PAPER,) * 3, view=studio.look()[1])
+    take = studio.camera._take
+    monkeypatch.setattr(studio.camera, "_take", lambda: np.ascontiguousarray(np.rot90(take())))
+    with pytest.raises(MachineError, match=r"^the photograph has 600 x 800 pixels, and .* do it again, and go on$"):
+        eye.look()
+
+
 @pytest.mark.parametrize("painted", [PAINTED, bare() * np.float32(0.1)], ids=["some", "all"])
 @pytest.mark.parametrize("lamp", [(-0.6, 0.4, 3.0), (-0.6, 0.4, 8.0), (0.0, 0.0, 20.0)])
 @pytest.mark.parametrize(("gain", "is_seen"), [(1.3, True), (2.0, False), (4.0, False)])
