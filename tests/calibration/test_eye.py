@@ -91,6 +91,15 @@ def test_one_hidden_tag_is_a_note(studio: Studio, eye: Eye) -> None:
     assert away(seen.image) < PICTURE
 
 
+def test_a_camera_that_does_not_move_needs_no_tags_and_misses_none(studio: Studio) -> None:
+    studio.camera.cover(2)
+    view = studio.look()[1]
+    studio.camera.cover(0, 1, 2, 3)
+    seen = Eye.opened(studio.camera, CANVAS, TAGS, (PAPER,) * 3, view=view).look()
+    assert seen.notes == ()
+    assert away(seen.image, bare()) < PICTURE
+
+
 def test_two_hidden_tags_are_named_and_nothing_goes_on(studio: Studio, eye: Eye) -> None:
     studio.camera.cover(1, 2)
     with pytest.raises(MachineError) as caught:

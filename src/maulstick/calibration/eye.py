@@ -95,7 +95,8 @@ class Eye:
         except InputError as error:
             raise MachineError(f"{error}, and go on") from error
         shift = shift_between(self._start, wide, self.canvas) or shift_between(self._before, wide, self.canvas)
-        notes = [f"tag {tag} is hidden; the other three do" for tag in view.hidden]
+        hidden = view.hidden if self._view is None else ()
+        notes = [f"tag {tag} is hidden; the other three do" for tag in hidden]
         if shift is None and self._had_edges:
             raise MachineError("the sheet is not seen where it lay; put it back, or take away what hides it, and go on")
         if shift is None:
