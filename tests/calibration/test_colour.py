@@ -60,6 +60,17 @@ def test_bare_paper_is_its_own_colour_all_over_and_in_each_photograph() -> None:
         np.testing.assert_allclose(seen[:190].mean(axis=(0, 1)), seen[190:].mean(axis=(0, 1)), atol=WHITE)
 
 
+@pytest.mark.parametrize("said", [(1.0, 1.0, 0.0), (0.0, 0.0, 0.0)])
+def test_on_paper_that_is_said_to_give_no_light_what_is_painted_is_seen(said: tuple[float, float, float]) -> None:
+    paper = np.full_like(bare(), np.maximum(said, 0.35))
+    studio = Studio(paper)
+    lamp = lamp_of(*_seen(studio, paper), paper=said)
+    painted = paper.copy()
+    painted[150:250, 150:250] = (0.9, 0.2, 0.9)
+    blue = lamp.correct(*_seen(studio, painted))[..., 2]
+    assert blue[180:220, 180:220].mean() > 1.5 * blue[280:320, 180:220].mean()
+
+
 def test_exposure_is_known_from_the_tags_that_are_left(lamp: Colours) -> None:
     studio = Studio(strokes(3, 12))
     studio.camera.cover(1)

@@ -24,6 +24,17 @@ def test_a_move_of_a_blank_sheet_is_known_by_its_edges(move: tuple[float, float,
     _is(shift_between(before, studio.look(MARGIN)[2], CANVAS), move)
 
 
+def test_a_sheet_that_never_lay_quite_right_is_known_to_turn_about_its_own_middle() -> None:
+    studio = Studio(bare())
+    beside, move = np.array([0.003, -0.002]), np.array([0.001, 0.002])
+    studio.camera.move_paper(*beside)
+    before = studio.look(MARGIN)[2]
+    studio.camera.move_paper(*move, 0.1)
+    turn = np.array([[np.cos(0.1), -np.sin(0.1)], [np.sin(0.1), np.cos(0.1)]])
+    dx, dy = move + beside - turn @ beside
+    _is(shift_between(before, studio.look(MARGIN)[2], CANVAS), (dx, dy, 0.1))
+
+
 def test_strokes_painted_meanwhile_do_no_harm() -> None:
     studio = Studio(strokes(1, 10))
     before = studio.look(MARGIN)[2]

@@ -91,6 +91,15 @@ def test_one_hidden_tag_is_a_note(studio: Studio, eye: Eye) -> None:
     assert away(seen.image) < PICTURE
 
 
+def test_a_camera_that_does_not_move_needs_no_tags_and_misses_none(studio: Studio) -> None:
+    studio.camera.cover(2)
+    view = studio.look()[1]
+    studio.camera.cover(0, 1, 2, 3)
+    seen = Eye.opened(studio.camera, CANVAS, TAGS, (PAPER,) * 3, view=view).look()
+    assert seen.notes == ()
+    assert away(seen.image, bare()) < PICTURE
+
+
 def test_two_hidden_tags_are_named_and_nothing_goes_on(studio: Studio, eye: Eye) -> None:
     studio.camera.cover(1, 2)
     with pytest.raises(MachineError) as caught:
@@ -195,6 +204,16 @@ def test_an_unplugged_camera_and_a_dark_room_say_what_to_do(studio: Studio, eye:
         eye.look()
     studio.camera.plug_in()
     assert away(eye.look().image) < PICTURE
+
+
+def test_a_photograph_of_another_size_is_taken_again_as_any_that_fails(
+    studio: Studio, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    eye = Eye.opened(studio.camera, CANVAS, TAGS, (PAPER,) * 3, view=studio.look()[1])
+    take = studio.camera._take
+    monkeypatch.setattr(studio.camera, "_take", lambda: np.ascontiguousarray(np.rot90(take())))
+    with pytest.raises(MachineError, match=r"^the photograph has 600 x 800 pixels, and .* do it again, and go on$"):
+        eye.look()
 
 
 @pytest.mark.parametrize("painted", [PAINTED, bare() * np.float32(0.1)], ids=["some", "all"])

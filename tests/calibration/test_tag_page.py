@@ -61,6 +61,14 @@ def test_paper_that_is_too_small_for_the_cards_is_told_the_size_that_does() -> N
     assert tag_page(frame, (0.298, 0.322)).width == round(0.298 / 25.4e-3 * 600)
 
 
+@pytest.mark.parametrize("paper", [(0.105, 0.148), (0.098, 0.122)])
+def test_all_that_a_small_page_says_stands_on_it(paper: tuple[float, float]) -> None:
+    page = np.asarray(tag_page(TagFrame(0.3, 0.2), paper))
+    edge = round(7e-3 / DOT)
+    assert page.min() == 0
+    assert (page[:, -edge:] == 255).all()
+
+
 @pytest.mark.parametrize(
     ("numbers", "message"),
     [

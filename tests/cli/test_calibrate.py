@@ -133,6 +133,12 @@ def test_four_corners_do_where_there_are_no_tags(photos: None, photographs: dict
         (("chart.png", "--out", "flat.jpg"), 2, "--out is flat.jpg; an image is written as PNG"),
         (("chart.png", "--out", "bare.png"), 1, "bare.png is already there; choose another --out"),
         (("chart.png", "--out", "chart.png", "--overwrite"), 2, "--out is chart.png, the photograph itself; choose"),
+        (("chart.png", "--keep", "chart.png", "--overwrite"), 2, "--keep is chart.png, the photograph itself; choose"),
+        (
+            ("chart.png", "--colours", "c.json", "--keep", "c.json", "--overwrite"),
+            2,
+            "--keep is c.json, the file of --colours itself; choose another --keep",
+        ),
         (("chart.png", "--out", "a.png", "--keep", "a.png"), 2, "--out and --keep are both a.png"),
         (("chart.png", "--corners", "1,2"), 2, "--corners is '1,2'; it must be four points, as in '10,12 630,9"),
         (("chart.png", "--corners", "0,0 nan,0 1,1 0,1"), 2, "--corners is '0,0 nan,0 1,1 0,1'; it must be four"),
@@ -211,6 +217,14 @@ def test_a_grey_card_and_bare_paper_alone_do_too(photos: None) -> None:
         (
             ("bare.png", "--grey", "chart.png"),
             "no grey card is seen where it should lie; lay it over the middle of the sheet",
+        ),
+        (
+            ("bare.png", "--out", "bare.png", "--overwrite"),
+            "--out is bare.png, the photograph itself; choose another --out",
+        ),
+        (
+            ("bare.png", "--grey", "grey.png", "--out", "grey.png", "--overwrite"),
+            "--out is grey.png, that of --grey itself; choose another --out",
         ),
         (("bare.png", "--paper", "octarine"), "'octarine' is not a colour"),
         (("chart.png",), "photograph it bare and whole"),

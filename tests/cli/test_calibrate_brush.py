@@ -87,7 +87,13 @@ def test_a_brush_that_is_there_is_not_replaced_and_a_finished_folder_is_only_fit
     ran = calibrate()
     assert ran.code == 1
     assert "mine" in ran.mistake
-    assert calibrate("--overwrite").code == 0
+    for words in (("--overwrite",), ("--name", "another-pen")):
+        ran = calibrate(*words)
+        assert ran.code == 0
+        assert ran.stderr.splitlines()[0] == (
+            "note: all strokes in calibration were drawn before, and are only fitted again; to draw others, choose "
+            "another --out"
+        )
     assert drawn == dict.fromkeys(range(5), 1)
 
 

@@ -39,6 +39,19 @@ def test_fewer_colours_than_paints_are_all_kept() -> None:
     assert white == pytest.approx(np.ones((1, 3)), abs=SRGB_ROUND_TRIP)
 
 
+@pytest.mark.parametrize("count", [1, 2, 3])
+def test_beside_pinned_paints_others_are_mixed_for_the_colours_that_are_left(count: int) -> None:
+    pinned = [(red, green, blue) for red, green, blue in FOUR[:count].tolist()]
+    paints = mix_paints(np.repeat(FOUR, 5, axis=0), np.ones(20), 4, seed=0, pinned=pinned)
+    assert paints == pytest.approx(FOUR, abs=SRGB_ROUND_TRIP)
+
+
+@pytest.mark.parametrize("cloud", [np.repeat(FOUR, 5, axis=0), FOUR[:0]])
+def test_where_pinned_paints_do_no_others_are_mixed(cloud: Floats) -> None:
+    pinned = [(red, green, blue) for red, green, blue in FOUR.tolist()]
+    assert np.array_equal(mix_paints(cloud, np.ones(len(cloud)), 12, seed=0, pinned=pinned), FOUR)
+
+
 def test_one_paint_is_the_mean_in_cielab_of_what_covers_the_canvas() -> None:
     amounts = np.array([3.0, 1.0, 0.5, 0.5])
     expected = (rgb2lab(FOUR) * amounts[:, None]).sum(0) / amounts.sum()

@@ -198,7 +198,7 @@ def test_no_paint_is_mixed_for_its_regions_when_it_is_planned_again_so_any_numbe
     folder: Path, painting: Painting
 ) -> None:
     files = {"regions": folder / "map.png", "say": folder / "say.toml"}
-    options = planned_before(painting, {**files, "steps": 1, "strokes": 1})
+    options = planned_before(painting, {**files, "steps": PLAN["steps"], "strokes": 1})
     assert len(ms.plan(folder / "disc.png", again=painting, options=options).strokes) == len(painting.strokes)
 
 

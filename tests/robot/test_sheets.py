@@ -54,6 +54,18 @@ def test_a_sheet_is_white_until_it_is_drawn_on(sheet: Callable[[], InkedSheet]) 
 
 
 @both
+def test_a_sheet_of_another_colour_may_be_laid_and_drawn_on(sheet: Callable[[], InkedSheet]) -> None:
+    paper = sheet()
+    paper.draw(ROW, RED)
+    dark = np.full_like(paper.image(), 0.25)
+    paper.lay(dark)
+    assert np.array_equal(paper.image(), dark)
+    paper.draw(ROW, (1.0, 1.0, 1.0))
+    assert paper.image()[50, 75] == pytest.approx([1.0] * 3, abs=0.1)
+    assert np.array_equal(paper.image()[:20], dark[:20])
+
+
+@both
 def test_a_mark_lies_where_it_was_drawn_in_its_colour(sheet: Callable[[], InkedSheet]) -> None:
     paper = sheet()
     paper.draw(ROW, BLUE)

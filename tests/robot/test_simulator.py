@@ -41,6 +41,9 @@ class Notes(InkedSheet):
     def take(self, brush: Brush) -> None:
         pass
 
+    def lay(self, picture: Image) -> None:
+        pass
+
     def draw(self, trajectory: Floats, colour: Colour) -> None:
         self.drawn.append((trajectory, colour))
 

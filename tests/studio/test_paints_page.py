@@ -50,8 +50,12 @@ def test_tubes_are_changed_in_a_small_table_and_recipes_follow(
     for left in range(11, 0, -1):
         table.get_by_role("button", name="Remove ").first.click()
         expect(table.get_by_label("Name")).to_have_count(left)
-    table.get_by_label("Name").fill("<b>my blue</b>")
     table.get_by_label("Colour").fill("#0000ff")
+    table.get_by_label("Name").fill("")
+    table.get_by_role("button", name="Keep these").click()
+    expect(shown.get_by_text("the list of tubes, line 2: the name must have 1 to 80 printable")).to_be_visible()
+    table.get_by_label("Name").fill("<b>my blue</b>")
+    table.get_by_role("button", name="Add a tube").click()
     table.get_by_role("button", name="Keep these").click()
     tubes = shown.get_by_role("region", name="Your tubes").get_by_role("listitem")
     expect(tubes).to_have_count(1)

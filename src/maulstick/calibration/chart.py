@@ -84,8 +84,8 @@ def with_grey_card(
     card = colours.evened(flat, whites)[top:bottom, left:right].reshape(-1, 3)
     light = np.median(card, axis=0)
     dark, bright = np.quantile(card.mean(axis=1), (0.1, 0.9))
-    paper = light_of(np.array(colours.paper))
-    if bright > _UNEVEN * max(dark, _DARKEST) or np.allclose(light, paper, rtol=_BARE, atol=0):
+    is_bare = np.allclose(light, colours.paper_light, rtol=_BARE, atol=0)
+    if bright > _UNEVEN * max(dark, _DARKEST) or is_bare:
         raise InputError(
             "no grey card is seen where it should lie; lay it over the middle of the sheet, and photograph it again"
         )

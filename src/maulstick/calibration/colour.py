@@ -31,6 +31,7 @@ _UNEVEN = 0.04  # standard deviation of the light, as a share, beyond which ther
 _WHITEST, _CLIPPED = 0.995, 0.01  # sRGB from which a pixel is overexposed, and the share that may be
 _DAZZLED = 0.25  # share of a sheet with something on it that may be overexposed: a lamp is never quite even
 _DARKEST = 1e-3  # least light, so that no division or logarithm is of zero
+_BLACKEST = 0.02  # least light off paper, as in docs/paints.md: of one that is said to give none, all would be black
 _RING = 16  # samples along each side of a tag's white rim
 _Row = tuple[float, float, float]
 _Share = Annotated[float, Field(ge=0, le=1)]
@@ -52,6 +53,11 @@ class Colours(BaseModel):
     whites: dict[int, _Row]
     paper: tuple[_Share, _Share, _Share] = (1.0, 1.0, 1.0)
     matrix: tuple[_Row, _Row, _Row] = _UNCHANGED
+
+    @property
+    def paper_light(self) -> Floats:
+        """Light (3,) off the bare sheet under an even lamp; also a paper that is said to be black gives some."""
+        return np.maximum(light_of(np.array(self.paper)), _BLACKEST)
 
     def with_matrix(self, matrix: Floats) -> Self:
         """Return the colours with another matrix (3, 3)."""
@@ -79,8 +85,8 @@ class Colours(BaseModel):
             np.asarray(whites[tag]) / np.maximum(self.whites[tag], _DARKEST) for tag in whites.keys() & self.whites
         ]
         exposure = np.median(gains, axis=0) if gains else np.ones(3)
-        paper = light_of(np.array(self.paper, dtype=np.float32))
-        return np.asarray(light_of(flat) * (paper / np.maximum(np.exp(lamp) * exposure, _DARKEST)), dtype=np.float32)
+        gain = self.paper_light / np.maximum(np.exp(lamp) * exposure, _DARKEST)
+        return np.asarray(light_of(flat) * gain, dtype=np.float32)
 
 
 def whites_of(photo: Image, view: CameraView, frame: TagFrame) -> dict[int, Floats]:

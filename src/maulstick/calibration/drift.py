@@ -58,8 +58,10 @@ def shift_between(before: Image, after: Image, canvas: Canvas, margin: float = M
     """
     here, there = sheet_place(before, canvas, margin), sheet_place(after, canvas, margin)
     if here is not None and there is not None:
-        confidence = min(here.confidence, there.confidence)
-        return Shift(there.dx - here.dx, there.dy - here.dy, there.dtheta - here.dtheta, confidence)
+        dtheta, confidence = there.dtheta - here.dtheta, min(here.confidence, there.confidence)
+        # A sheet that lay beside its place turns about its own middle, and not about that of the canvas.
+        dx, dy = (there.dx, there.dy) - _turn(dtheta) @ (here.dx, here.dy)
+        return Shift(float(dx), float(dy), dtheta, confidence)
     around = margin_px(canvas, margin)
     inner = np.s_[around : around + canvas.height_px, around : around + canvas.width_px]
     return _shift_of_marks(before[inner], after[inner], canvas)

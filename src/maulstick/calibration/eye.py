@@ -85,17 +85,18 @@ class Eye:
     def look(self) -> Observation:
         """Take a photograph, and return what it shows.
 
-        Raises MachineError where the camera fails, tags are hidden, the light has grown too bright, or the sheet has
-        gone too far.
+        Raises MachineError where the camera fails or takes a photograph of another size, tags are hidden, the light has
+        grown too bright, or the sheet has gone too far.
         """
         photo = self.camera.photograph()
         try:
             view = self._view or locate(photo, self.tags)
+            wide = view.rectify(photo, self.canvas, MARGIN)
         except InputError as error:
             raise MachineError(f"{error}, and go on") from error
-        wide = view.rectify(photo, self.canvas, MARGIN)
         shift = shift_between(self._start, wide, self.canvas) or shift_between(self._before, wide, self.canvas)
-        notes = [f"tag {tag} is hidden; the other three do" for tag in view.hidden]
+        hidden = view.hidden if self._view is None else ()
+        notes = [f"tag {tag} is hidden; the other three do" for tag in hidden]
         if shift is None and self._had_edges:
             raise MachineError("the sheet is not seen where it lay; put it back, or take away what hides it, and go on")
         if shift is None:

@@ -67,7 +67,7 @@ def tag_page(frame: TagFrame, paper: tuple[float, float] = (0.210, 0.297)) -> Im
         raise InputError.of_range("the paper to print on", came, allowed)
     for tag, corner in zip(TAGS, corners, strict=True):
         _draw_card(page, frame, tag, corner)
-    font = ImageFont.load_default(_dots(0.7 * _LINE))
+    font = _font(text, room[0])
     for line, sentence in enumerate(text):
         draw.text((_dots(_WHITE_EDGE), _dots(_WHITE_EDGE + line * _LINE)), sentence, fill=0, font=font)
     return page
@@ -87,6 +87,13 @@ def _draw_card(page: Image.Image, frame: TagFrame, tag: int, corner: tuple[float
     font = ImageFont.load_default(_dots(min(0.6 * _LINE, frame.gap / 3)))
     middle = at[1] + side * (tag in (0, 1)) + _dots(frame.gap / 2) * (-1 if tag in (0, 1) else 1)
     draw.text((at[0] + side // 2, middle), f"{tag}  {_PLACES[tag]}", fill=0, font=font, anchor="mm")
+
+
+def _font(lines: list[str], room: float) -> ImageFont.ImageFont | ImageFont.FreeTypeFont:
+    """Return the font of lines of text, smaller than usual where the longest is wider than the room, metres."""
+    size = _dots(0.7 * _LINE)
+    longest = max(ImageFont.load_default(size).getlength(line) for line in lines)
+    return ImageFont.load_default(size * min(1.0, _dots(room) / longest))
 
 
 def _fits(size: tuple[float, float], room: tuple[float, float]) -> bool:

@@ -21,7 +21,7 @@ from maulstick.cli.drawing import (
     drawing_options,
     read_plan,
 )
-from maulstick.cli.folder import check_place
+from maulstick.cli.folder import check_other, check_place
 from maulstick.errors import InputError
 from maulstick.jobs.export import DIALECTS, FORMATS, Export, ExportOptions, exported
 from maulstick.robot.easel import Pen
@@ -132,8 +132,7 @@ def _files_of(export: Export, path: Path, painting: Path, overwrite: bool) -> di
 
 def _check(file: Path, painting: Path, overwrite: bool) -> None:
     """Raise InputError where the file is the painting itself, and OutputError where it cannot be written."""
-    if file.resolve() == painting.resolve():
-        raise InputError(f"--out is {file}, the painting itself; choose another --out")
+    check_other(file, "--out", {"the painting": painting})
     check_place(file, "--out", overwrite)
 
 

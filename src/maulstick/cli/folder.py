@@ -1,9 +1,10 @@
 """Checks that no file is lost where results are written."""
 
 import os
+from collections.abc import Mapping
 from pathlib import Path
 
-from maulstick.errors import OutputError
+from maulstick.errors import InputError, OutputError
 from maulstick.storage.folders import as_output_error
 
 
@@ -18,6 +19,13 @@ def check_place(path: Path, option: str, overwrite: bool) -> None:
     if not path.parent.is_dir():
         raise OutputError(f"cannot write {path}: its folder does not exist; make the folder first")
     check_absent(path, option, overwrite)
+
+
+def check_other(path: Path, option: str, read: Mapping[str, Path | None]) -> None:
+    """Raise InputError where the file that `option` sets is one that is read; read: such files, by what they are."""
+    for what, each in read.items():
+        if each is not None and path.resolve() == each.resolve():
+            raise InputError(f"{option} is {path}, {what} itself; choose another {option}")
 
 
 def check_free(out: Path, overwrite: bool) -> None:

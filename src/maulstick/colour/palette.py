@@ -11,6 +11,8 @@ from threadpoolctl import threadpool_limits
 from maulstick.errors import InputError
 from maulstick.storage.arrays import Bools, Floats, Ints
 
+_ROUNDS = 10  # of mixing others beside pinned paints, which is settled after a few
+
 
 def mix_paints(
     colours: Floats, amounts: Floats, k: int, seed: int, pinned: Sequence[tuple[float, float, float]] = ()
@@ -18,13 +20,12 @@ def mix_paints(
     """Return at most k paints (k, 3) for colours (N, 3) that cover `amounts` (N,) of canvas, light first; all in sRGB.
 
     k-means in CIELAB, repeated from several starts; fewer colours than k give fewer paints.
-    pinned: paints among them that are as they are.
+    pinned: paints among them that are as they are; the others are for colours that none of these is nearest to.
     """
     if pinned:
-        others = mix_paints(colours, amounts, k - len(pinned), seed) if len(colours) and k > len(pinned) else None
-        both = np.array(pinned) if others is None else np.concatenate([others, np.array(pinned)])
-        light_first: Floats = both[np.argsort(-lightness(both), kind="stable")]
-        return light_first
+        kept = np.array(pinned)
+        both = np.concatenate([_mixed_beside(kept, colours, amounts, k - len(kept), seed), kept])
+        return both[light_first(both)]
     from sklearn.cluster import KMeans  # takes a second to load
     from sklearn.exceptions import ConvergenceWarning
 
@@ -36,6 +37,19 @@ def mix_paints(
     centres = found.cluster_centers_[np.argsort(-found.cluster_centers_[:, 0])]
     paints: Floats = np.clip(lab2rgb(centres), 0, 1)
     return paints
+
+
+def _mixed_beside(pinned: Floats, colours: Floats, amounts: Floats, k: int, seed: int) -> Floats:
+    """Return at most k paints for those of the colours that none of the pinned paints (n, 3) is nearest to."""
+    others, left = pinned[:0], np.ones(len(colours), dtype=bool)
+    for _ in range(_ROUNDS if k > 0 else 0):
+        if not left.any():
+            return pinned[:0]
+        others = mix_paints(colours[left], amounts[left], k, seed)
+        before, left = left, nearest_paint(colours, np.concatenate([pinned, others])) >= len(pinned)
+        if np.array_equal(left, before):
+            break
+    return others
 
 
 def nearest_paint(colours: Floats, paints: Floats, allowed: Bools | None = None) -> Ints:

@@ -5,7 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from maulstick.painting.painting import Sheet
 from maulstick.painting.painting_file import write_painting
+from maulstick.painting.picture import encode_png
 from maulstick.robot.easel import write_easel
 from maulstick.robot.journal import journal_of
 from tests.cli.conftest import contents, run
@@ -61,6 +63,21 @@ def test_a_painting_that_is_replaced_while_the_machine_connects_is_not_taken_for
 def test_what_is_painted_is_like_the_preview(calibrated: Path) -> None:
     assert run("paint", calibrated).code == 0
     assert correlation(calibrated) > PAINTED_CORRELATION
+
+
+def test_a_simulated_sheet_has_the_colour_of_the_paper_and_what_is_painted_on_it_already(tmp_path: Path) -> None:
+    plan, path = painting_of([line(1, pressure=(1, 1))]), tmp_path / "dark.json"
+    dark = Sheet(width=plan.sheet.width, height=plan.sheet.height, paper=(0.2, 0.2, 0.2))
+    write_painting(plan.model_copy(update={"sheet": dark}), path)
+    assert run("paint", path).code == 0
+    image = picture_of(tmp_path / "dark-painted.png")
+    assert image[0, 0] == pytest.approx([0.2] * 3, abs=1 / 255)
+    assert image[..., 0].max() > 0.5, "the stroke is red"
+    used = dark.model_copy(update={"picture": encode_png(np.flipud(image))})
+    write_painting(plan.model_copy(update={"sheet": used}), path)
+    assert run("paint", path, "--restart").code == 0
+    red, before = picture_of(tmp_path / "dark-painted.png")[..., 0], image[..., 0]
+    assert red == pytest.approx(np.maximum(before, np.flipud(before)), abs=1 / 255)
 
 
 def test_a_painting_of_one_paint_has_its_colour(tmp_path: Path) -> None:

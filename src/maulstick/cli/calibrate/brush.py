@@ -73,7 +73,10 @@ def brush(
     ] = None,
     out: Annotated[
         Path,
-        _writing(metavar="FOLDER", help="Folder for strokes and photographs. An unfinished one is continued."),
+        _writing(
+            metavar="FOLDER",
+            help="Folder for strokes and photographs. An unfinished one is continued, a finished one fitted again.",
+        ),
     ] = Path("calibration"),
     overwrite: Annotated[
         bool, _writing("--overwrite", metavar="", help="Replace your earlier brush of that name.")
@@ -185,6 +188,7 @@ def _collect(sheet: Painting, out: Path, options: PaintOptions, place: "Easel | 
 
     tags = TagFrame(sheet.sheet.width, sheet.sheet.height, side=options.tag_side)
     if (out / "trials").exists():
+        tell(f"all strokes in {out} were drawn before, and are only fitted again; to draw others, choose another --out")
         return
     view = None if options.view is None else read_view(options.view)
     path, (brush,) = out / "practice.json", sheet.brushes.values()

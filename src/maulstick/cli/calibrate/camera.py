@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 import typer
 
-from maulstick.cli.folder import check_place
+from maulstick.cli.folder import check_other, check_place
 from maulstick.cli.lengths import metres
 from maulstick.errors import InputError
 from maulstick.painting.picture import encode_png, read_picture
@@ -53,12 +53,13 @@ def camera(
     path = out or photo.parent / f"{photo.stem}-flat.png"
     if path.suffix.lower() != ".png":
         raise InputError(f"--out is {path}; an image is written as PNG, so let its name end in .png")
-    if path.resolve() == photo.resolve():
-        raise InputError(f"--out is {path}, the photograph itself; choose another --out")
-    if keep is not None and path.resolve() == keep.resolve():
-        raise InputError(f"--out and --keep are both {path}; choose another --keep")
+    read = {"the photograph": photo, "the file of --colours": colours}
+    check_other(path, "--out", read)
     check_place(path, "--out", overwrite)
     if keep is not None:
+        if path.resolve() == keep.resolve():
+            raise InputError(f"--out and --keep are both {path}; choose another --keep")
+        check_other(keep, "--keep", read)
         check_place(keep, "--keep", overwrite)
     from maulstick.calibration.camera import write_view
     from maulstick.calibration.colour import read_colours, whites_of

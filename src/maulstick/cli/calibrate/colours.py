@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from maulstick.cli.calibrate.camera import four_points
-from maulstick.cli.folder import check_place
+from maulstick.cli.folder import check_other, check_place
 from maulstick.cli.lengths import metres
 from maulstick.colour.palette import parse_colour
 from maulstick.errors import InputError
@@ -50,6 +50,7 @@ def colours(
     if (chart is None) != (patches is None):
         raise InputError("--chart needs --patches, and the other way round: where on the sheet the chart lies")
     sheet, canvas = parse_size(size), flat_canvas(*parse_size(size))
+    check_other(out, "--out", {"the photograph": bare, "that of --chart": chart, "that of --grey": grey})
     check_place(out, "--out", overwrite)
     from maulstick.calibration.camera import locate
     from maulstick.calibration.chart import with_chart, with_grey_card

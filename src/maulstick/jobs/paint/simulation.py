@@ -51,8 +51,10 @@ class Simulation:
         size = painting.sheet.width, painting.sheet.height
         canvas = Canvas(*size, min(_FINE, _MOST_PX / max(size)))
         wells = [] if tray is None else zip(tray.wells_of(painting), painting.paints, strict=True)
+        sheet = sheet_for(tuple(painting.brushes.values()), canvas)
+        sheet.lay(painting.sheet.image(canvas))
         robot = SimulatedEasel(
-            sheet_for(tuple(painting.brushes.values()), canvas),
+            sheet,
             easel,
             wells=[(well.x, well.y, paint.colour) for well, paint in wells],
             pace=pace,

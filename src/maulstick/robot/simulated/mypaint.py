@@ -70,7 +70,7 @@ _SIGNATURES = {
 
 
 class MyPaintPaper:
-    """White sheet that libmypaint draws on."""
+    """Sheet that libmypaint draws on: white until another is laid."""
 
     def __init__(self, canvas: Canvas) -> None:
         """Make a sheet of the canvas' size. Raises InputError where libmypaint or its brushes are not installed."""
@@ -122,7 +122,7 @@ class MyPaintPaper:
             library.mypaint_brush_unref(brush)
 
     def lay(self, picture: Image) -> None:
-        """Put a picture that `photograph` returned of a sheet of this size on it, in place of what is there."""
+        """Put a picture (height_px, width_px, 3), sRGB in [0, 1], on the sheet, in place of what is there."""
         for (top, left), tile in self._tiles():
             part = picture[top : top + _TILE, left : left + _TILE]
             tile[: part.shape[0], : part.shape[1], :3] = (part * _ONE).round()

@@ -39,7 +39,7 @@ _TOOLS = {  # by the brush that was fitted to such a tool
 
 
 class InkedSheet(ABC):
-    """White sheet that takes the marks of a tool.
+    """Sheet that takes the marks of a tool: white until another is laid.
 
     canvas: size of the sheet, and pixels of `image`.  depth: of the tool, metres below first touch at pressure 1.
     deepest: of all tools that it was made for.
@@ -52,6 +52,10 @@ class InkedSheet(ABC):
     @abstractmethod
     def take(self, brush: Brush) -> None:
         """Draw from now on with a tool like the one that the brush was fitted to."""
+
+    @abstractmethod
+    def lay(self, picture: Image) -> None:
+        """Put a picture (height_px, width_px, 3), sRGB in [0, 1], on the sheet, in place of what is there."""
 
     @abstractmethod
     def draw(self, trajectory: Floats, colour: Colour) -> None:
@@ -76,14 +80,14 @@ class MyPaintSheet(InkedSheet):
         tool = _tool_like(brush)
         self._medium, self._radius, self.depth = tool.medium, tool.radius, tool.depth
 
+    def lay(self, picture: Image) -> None:
+        """As in `InkedSheet`."""
+        self._paper.lay(picture)
+
     def draw(self, trajectory: Floats, colour: Colour) -> None:
         """As in `InkedSheet`."""
         speed = max(_SLOWLY * self._radius, 1e-3)
         self._paper.draw(trajectory, self._medium, radius=self._radius, colour=colour, speed=speed)
-
-    def lay(self, picture: Image) -> None:
-        """Put a picture that `image` returned on the sheet, in place of what is there."""
-        self._paper.lay(picture)
 
     def image(self) -> Image:
         """As in `InkedSheet`."""
@@ -103,6 +107,10 @@ class ModelSheet(InkedSheet):
     def take(self, brush: Brush) -> None:
         """As in `InkedSheet`, but with the brush itself."""
         self.depth, self._brush = max(brush.depth) or _DEPTH, brush
+
+    def lay(self, picture: Image) -> None:
+        """As in `InkedSheet`."""
+        self._image[:] = picture.transpose(2, 0, 1)
 
     def draw(self, trajectory: Floats, colour: Colour) -> None:
         """As in `InkedSheet`."""

@@ -9,6 +9,8 @@ from maulstick.studio.state.studio import Studio
 from maulstick.studio.widgets.showing import shown_by
 from maulstick.studio.widgets.uploading import small_content, upload_button
 
+_NEW = ("", "#888888")  # name and colour of a tube that nobody has written anything on yet
+
 
 def build_tubes(studio: Studio) -> None:
     """Build the part of the page that lists the tubes, with a button to change them."""
@@ -59,7 +61,7 @@ def _change(studio: Studio) -> None:
 
     async def keep() -> None:
         tubes = [(str(named.value or "").strip(), str(picked.value)) for _, named, picked in rows]
-        await studio.mixing.use_tubes(tubes_csv(tube for tube in tubes if tube[0]))
+        await studio.mixing.use_tubes(tubes_csv(tube for tube in tubes if tube != _NEW))
         dialog.close()
         ui.notify("These are your tubes now; the recipes follow.")
 
@@ -73,7 +75,7 @@ def _change(studio: Studio) -> None:
         html.p("What stands on each tube, and its colour as it dries.").classes("hint")
         table = ui.element().classes("rows")
         with ui.element().classes("line"):
-            ui.button("Add a tube", icon="add", on_click=lambda: add("", "#888888")).props("outline")
+            ui.button("Add a tube", icon="add", on_click=lambda: add(*_NEW)).props("outline")
             usual = [(tube.name, hex_colour(tube.colour)) for tube in USUAL_PAINTS]
             ui.button("The usual dozen", on_click=lambda: fill(usual)).props("flat")
             upload_button("From a file", ".csv,.json,.txt", bring).props("flat")
