@@ -239,7 +239,7 @@ def test_an_svg_says_that_the_pressure_is_lost(here: Path) -> None:
     ran = run("export", "painting.json", "--format", "svg")
     assert ran.code == 0
     assert ran.stderr == (
-        "note: stroke 0 varies the pressure, which an SVG cannot say: the pen's height is one for each stroke\n"
+        "note: stroke 0 varies the pressure, which an SVG cannot say: the pen's height is one for each layer\n"
     )
 
 
