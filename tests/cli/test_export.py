@@ -278,6 +278,18 @@ def test_an_svg_per_pen_holds_the_strokes_of_that_pen_alone(here: Path) -> None:
     assert (sum(drawn), min(drawn) > 0) == (whole, True)
 
 
+def test_an_svg_per_pen_says_where_a_pen_is_taken_up_again(here: Path) -> None:
+    across = [line(i, (0.01, 0.01), (0.03, 0.03), paint=i % 2) for i in range(3)]
+    write_painting(painting_of(across, [nominal("fineliner")]), here / "painting.json")
+    assert exported("--format", "svg").count("inkscape:label") == 3
+    ran = run("export", "painting.json", "--format", "svg", "--per-pen", "--overwrite")
+    assert ran.code == 0
+    assert ran.stderr.splitlines()[0] == (
+        "note: pens are taken up 3 times in this painting, and here 2 times: "
+        "where strokes of two pens overlap, the other one may come to lie on top"
+    )
+
+
 def test_a_sheet_that_is_too_large_for_hpgl_is_refused_or_drawn_smaller(here: Path) -> None:
     strokes = [line(0, (0.1, 0.1), (1.1, 0.6))]
     write_painting(painting_of(strokes, [nominal("fineliner")], (1.2, 0.8)), here / "painting.json")

@@ -143,15 +143,25 @@ def _beyond(plan: Painting) -> float:
 
 def _svgs(plan: Painting, options: ExportOptions) -> Export:
     """Return one SVG, or one for each paint that draws anything, in the order in which they first do."""
-    notes = (note,) if (note := flattened_note(plan)) else ()
-    if not options.per_pen:
-        return Export((ExportFile(axidraw_svg(plan)),), notes)
-    used = dict.fromkeys(stroke.paint for stroke in plan.strokes)
+    paints = list(dict.fromkeys(stroke.paint for stroke in plan.strokes))
+    notes = []
+    if options.per_pen:
+        if (taken_up := 1 + plan.paint_changes()) > len(paints):
+            notes.append(
+                f"pens are taken up {taken_up} times in this painting, and here {len(paints)} times: "
+                "where strokes of two pens overlap, the other one may come to lie on top"
+            )
+        in_turn = sorted(plan.strokes, key=lambda stroke: paints.index(stroke.paint))
+        plan = plan.model_copy(update={"strokes": tuple(in_turn)})
+    if note := flattened_note(plan):
+        notes.append(note)
+    if not options.per_pen or len(paints) == 1:
+        return Export((ExportFile(axidraw_svg(plan)),), tuple(notes))
     files = []
-    for paint in used:
+    for paint in paints:
         alone = plan.model_copy(update={"strokes": tuple(s for s in plan.strokes if s.paint == paint)})
-        files.append(ExportFile(axidraw_svg(alone), _pen(plan, paint) if len(used) > 1 else ""))
-    return Export(tuple(files), notes)
+        files.append(ExportFile(axidraw_svg(alone), _pen(plan, paint)))
+    return Export(tuple(files), tuple(notes))
 
 
 def _loads(plan: Painting, loads: list[CarouselLoad]) -> Export:
