@@ -263,7 +263,9 @@ def test_hatches_are_cut_by_clips(read: Read) -> None:
         ({"margin": float("nan")}, "margin is nan mm"),
         ({"hatch": 1e-6}, "hatch is 0.001 mm"),
         ({"hatch": 1e-3, "hatch_angle": float("inf")}, "hatch_angle is inf"),
+        ({"margin": 30.0}, "margin is 30000 mm; it must be from 0 to 20000 mm"),
         ({"shortest": -1.0}, "shortest is -1000 mm"),
+        ({"shortest": 30.0}, "shortest is 30000 mm; it must be from 0 to 20000 mm"),
         ({"shortest": 1.0}, "all of it is shorter than 1000 mm; shortest must be less"),
     ],
 )
