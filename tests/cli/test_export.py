@@ -83,6 +83,15 @@ def test_gcode_goes_where_the_easel_says(here: Path) -> None:
     assert places[:, 2].min() == pytest.approx(0.006, abs=GCODE_METRES)
 
 
+def test_gcode_is_lifted_as_high_as_the_easel_and_the_tray_say_above_tilted_paper_too(here: Path) -> None:
+    down = (0.0, -np.cos(0.09), -np.sin(0.09))
+    easel = Easel(corner=(0, 0, 0), right=(1, 0, 0), down=down, deepest=0.008, travel=0.2)
+    write_easel(easel, here / "easel.json")
+    assert places_of(exported("--easel", "easel.json"))[:, 2].max() > 0.19
+    (here / "tray.json").write_text(json.dumps({**TRAY_JSON, "clearance": 0.3}))
+    assert places_of(exported("--easel", "easel.json", "--tray", "tray.json", "--overwrite"))[:, 2].max() > 0.29
+
+
 def test_a_servo_of_other_numbers_takes_the_time_that_the_easel_says(here: Path) -> None:
     pen = Pen(up=1, down=2, seconds=0.7)
     write_easel(Easel(corner=(0, 0.5, 0), right=(1, 0, 0), down=(0, -1, 0), pen=pen), here / "easel.json")

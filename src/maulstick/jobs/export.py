@@ -26,6 +26,7 @@ DIALECTS: Final[tuple[Dialect, ...]] = ("grbl", "marlin")
 """Dialects of G-code."""
 
 _THIN, _CLEAR = 1e-6, 0.05  # metres below and above the paper that any machine reaches
+_TILTED = 2  # times as high as the tip is lifted is more than high enough above paper that lies as tilted as it may
 _NOTED = 1e-5  # metres beyond the sheet: less is rounding
 _MOST_PENS = 99  # of a carousel: more than any plotter had
 _SPEED = 0.05  # metres per second: slow enough for most pens and plotters
@@ -185,10 +186,12 @@ def _at_the_origin(plan: Painting) -> Easel:
 
 
 def _around(plan: Painting, easel: Easel, tray: Tray | None, speed: float) -> Limits:
-    """Return limits for an unknown machine at that speed: where strokes may be, as deep as allowed, and the tray."""
+    """Return limits for an unknown machine at that speed: where strokes may be, how deep, how high, and the tray."""
     around = max(OFF_SHEET, _beyond(plan))  # which rounding may take a little farther
     across, along = ((-around, side + around) for side in (plan.sheet.width, plan.sheet.height))
-    ends = [[x, y, z] for x in across for y in along for z in (-max(easel.deepest, _THIN), _CLEAR)]
+    lifted = max(easel.travel, 0.0 if tray is None else tray.clearance)
+    heights = (-max(easel.deepest, _THIN), max(_CLEAR, _TILTED * lifted))
+    ends = [[x, y, z] for x in across for y in along for z in heights]
     places = [np.array(ends)]
     if tray is not None:
         for well in (*tray.paints.values(), tray.water, tray.cloth):
