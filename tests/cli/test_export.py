@@ -83,6 +83,15 @@ def test_gcode_goes_where_the_easel_says(here: Path) -> None:
     assert places[:, 2].min() == pytest.approx(0.006, abs=GCODE_METRES)
 
 
+def test_gcode_is_lifted_as_high_as_the_easel_and_the_tray_say_above_tilted_paper_too(here: Path) -> None:
+    down = (0.0, -np.cos(0.09), -np.sin(0.09))
+    easel = Easel(corner=(0, 0, 0), right=(1, 0, 0), down=down, deepest=0.008, travel=0.2)
+    write_easel(easel, here / "easel.json")
+    assert places_of(exported("--easel", "easel.json"))[:, 2].max() > 0.19
+    (here / "tray.json").write_text(json.dumps({**TRAY_JSON, "clearance": 0.3}))
+    assert places_of(exported("--easel", "easel.json", "--tray", "tray.json", "--overwrite"))[:, 2].max() > 0.29
+
+
 def test_a_servo_of_other_numbers_takes_the_time_that_the_easel_says(here: Path) -> None:
     pen = Pen(up=1, down=2, seconds=0.7)
     write_easel(Easel(corner=(0, 0.5, 0), right=(1, 0, 0), down=(0, -1, 0), pen=pen), here / "easel.json")
@@ -239,7 +248,7 @@ def test_an_svg_says_that_the_pressure_is_lost(here: Path) -> None:
     ran = run("export", "painting.json", "--format", "svg")
     assert ran.code == 0
     assert ran.stderr == (
-        "note: stroke 0 varies the pressure, which an SVG cannot say: the pen's height is one for each stroke\n"
+        "note: stroke 0 varies the pressure, which an SVG cannot say: the pen's height is one for each layer\n"
     )
 
 
@@ -276,6 +285,18 @@ def test_an_svg_per_pen_holds_the_strokes_of_that_pen_alone(here: Path) -> None:
     drawn = [Path(file).read_text().count("<path") for file in files]
     whole = exported("--format", "svg").count("<path")
     assert (sum(drawn), min(drawn) > 0) == (whole, True)
+
+
+def test_an_svg_per_pen_says_where_a_pen_is_taken_up_again(here: Path) -> None:
+    across = [line(i, (0.01, 0.01), (0.03, 0.03), paint=i % 2) for i in range(3)]
+    write_painting(painting_of(across, [nominal("fineliner")]), here / "painting.json")
+    assert exported("--format", "svg").count("inkscape:label") == 3
+    ran = run("export", "painting.json", "--format", "svg", "--per-pen", "--overwrite")
+    assert ran.code == 0
+    assert ran.stderr.splitlines()[0] == (
+        "note: pens are taken up 3 times in this painting, and here 2 times: "
+        "where strokes of two pens overlap, the other one may come to lie on top"
+    )
 
 
 def test_a_sheet_that_is_too_large_for_hpgl_is_refused_or_drawn_smaller(here: Path) -> None:

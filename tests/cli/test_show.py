@@ -133,4 +133,5 @@ def test_a_painting_too_wide_for_a_picture_is_refused(painted: tuple[Path, Ran],
     (tmp_path / "painting.json").write_text(json.dumps(fields))
     ran = run("show", tmp_path / "painting.json", "--px", "240")
     assert ran.code == 2
-    assert ran.mistake == "the picture would be 12000 pixels wide; choose a smaller --px"
+    assert ran.mistake == "--px is 240; it must be at least 1, with no side of the image above 8192"
+    assert run("render", tmp_path / "painting.json", "--px", "240").mistake == ran.mistake

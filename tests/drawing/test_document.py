@@ -29,6 +29,7 @@ OUTSIDE = '<!DOCTYPE svg [<!ENTITY x SYSTEM "file:///etc/passwd">]>'
         (f"{OUTSIDE}<svg {SPACES}>&x;</svg>".encode(), "declares entities"),
         (b'<?xml version="1.0" encoding="klingon"?><svg/>', "is not an SVG that can be read"),
         (f'<svg {SPACES} width="0" height="5"/>'.encode(), "its page is 0 x 5 pixels"),
+        (f'<svg {SPACES} width="1e-4mm" height="5"><path d="M0 0h1"/></svg>'.encode(), "a height from 0.01 to 1e+07"),
     ],
 )  # fmt: skip
 def test_what_is_no_svg_is_refused_in_a_sentence(tmp_path: Path, content: bytes, fault: str) -> None:

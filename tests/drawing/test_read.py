@@ -40,6 +40,11 @@ def test_lines_off_the_sheet_are_cut_at_its_edges_and_counted(read: Read) -> Non
     assert drawing.notes == ("lines that reach beyond the sheet of 100 x 50 mm are cut at its edges: 3",)
 
 
+def test_a_curve_that_only_touches_the_edge_leaves_no_dot_there(read: Read) -> None:
+    (curve,) = millimetres(read('<circle cx="0" cy="50" r="5"/>'))
+    assert curve[[0, -1]] == pytest.approx(np.array([[0, 45], [5, 50]]), abs=1e-3)
+
+
 def test_a_line_that_crosses_itself_is_cut_only_at_the_edge(read: Read) -> None:
     assert points(read('<path d="M10 10L30 30L30 10L10 30L10 70"/>')) == [
         [[10, 10], [30, 30], [30, 10], [10, 30], [10, 50]]
@@ -263,7 +268,9 @@ def test_hatches_are_cut_by_clips(read: Read) -> None:
         ({"margin": float("nan")}, "margin is nan mm"),
         ({"hatch": 1e-6}, "hatch is 0.001 mm"),
         ({"hatch": 1e-3, "hatch_angle": float("inf")}, "hatch_angle is inf"),
+        ({"margin": 30.0}, "margin is 30000 mm; it must be from 0 to 20000 mm"),
         ({"shortest": -1.0}, "shortest is -1000 mm"),
+        ({"shortest": 30.0}, "shortest is 30000 mm; it must be from 0 to 20000 mm"),
         ({"shortest": 1.0}, "all of it is shorter than 1000 mm; shortest must be less"),
     ],
 )

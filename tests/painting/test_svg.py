@@ -171,10 +171,22 @@ def test_but_for_its_labels_the_drawing_is_the_same_for_an_axidraw() -> None:
 
 
 def test_pressure_that_a_stroke_varies_is_said_to_be_lost() -> None:
-    varied, steady = straight(1, pressure=(0, 1)), straight(2, pressure=(0.5, 0.5))
+    varied, steady = straight(1, pressure=(0, 1)), straight(2, pressure=(0.5, 0.5), paint=1)
     assert flattened_note(painting_of([steady])) == ""
     assert flattened_note(painting_of([varied], [load_brush("fineliner")])) == "", "whose mark it does not change"
     said = flattened_note(painting_of([varied, steady, straight(7, pressure=(1, 0))]))
     assert said == (
-        "stroke 1 and 1 more vary the pressure, which an SVG cannot say: the pen's height is one for each stroke"
+        "stroke 1 and 1 more vary the pressure, which an SVG cannot say: the pen's height is one for each layer"
     )
+
+
+def test_pressure_that_varies_from_stroke_to_stroke_of_a_layer_is_said_to_be_lost() -> None:
+    light, deep = straight(1, pressure=(0.25, 0.25)), straight(2, pressure=(1, 1))
+    assert flattened_note(painting_of([light, deep])).startswith("stroke 1 and 1 more vary the pressure")
+    assert flattened_note(painting_of([light, deep.model_copy(update={"paint": 1})])) == "", "each layer has its height"
+
+
+def test_a_layer_has_the_height_of_its_pen_where_nobody_sees_what_its_pressure_varies() -> None:
+    light, deeper = (tuple((x, y, pressure) for x, y, _ in LINE) for pressure in (0.245, 0.255))
+    strokes = Stroke(id=1, paint=1, trajectory=light), Stroke(id=2, paint=1, trajectory=deeper)
+    assert axidraw_labels(*strokes) == ["1+H30 #ff0000 round <bent>"]

@@ -98,6 +98,16 @@ def test_pressure_that_varies_is_refused_where_the_machine_only_lifts_with_the_o
     )
 
 
+def test_strokes_of_unlike_pressures_are_refused_where_the_machine_only_lifts_unless_each_brush_has_one() -> None:
+    light, deep = line(1, pressure=(0.1, 0.1)), line(2, paint=1, pressure=(1, 1))
+    assert refused(painting_of([light, deep]), limits=LIFTS) == (
+        "stroke 2 has another pressure than those before, and this machine only lifts its pen; "
+        "plan it again with pressure=0.5"
+    )
+    two = painting_of([light, deep], [nominal("marker"), nominal("round")])
+    assert [draw.stroke for draw in draws(routine(two, EASEL, LIFTS))] == [1, 2]
+
+
 def test_pressure_that_changes_no_mark_is_no_matter_for_a_machine_that_only_lifts() -> None:
     pens = painting_of([line(1, pressure=(0.2, 0.7))], [nominal("fineliner")])
     assert in_short(routine(pens, EASEL, LIFTS)) == ["1"]

@@ -14,7 +14,6 @@ from maulstick.storage.arrays import kind_of
 from maulstick.storage.files import atomic_write, read_whole
 
 _SMALLEST_PX, _LARGEST_PX = 240, 2400  # pixels: texts in a plot cannot be read below, and fill memory above
-_WIDEST_PX = 8192  # pixels: a wider picture of a painting would fill memory
 _LARGEST_FILE = 256 * 2**20  # bytes: more than any file of ours has
 
 
@@ -100,15 +99,11 @@ def _brush(file: Path, px: int) -> bytes:
 
 def _painting(file: Path, px: int) -> bytes:
     from maulstick.painting.picture import encode_png
-    from maulstick.painting.raster import Canvas
 
     plan = read_plan(file, None)
-    canvas = Canvas.of_height((plan.sheet.width, plan.sheet.height), px)
-    if canvas.width_px > _WIDEST_PX:
-        raise InputError(f"the picture would be {canvas.width_px} pixels wide; choose a smaller --px")
-    from maulstick.rendering.preview import preview  # loads torch
+    from maulstick.rendering.preview import preview_of_height  # loads torch
 
-    return encode_png(preview(plan, canvas))
+    return encode_png(preview_of_height(plan, px))
 
 
 _PICTURES: dict[str, Callable[[Path, int], bytes]] = {

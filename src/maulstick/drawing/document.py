@@ -23,7 +23,7 @@ NO_PLACE: Final = "a point in it has no place: it is no number, or too large; me
 _SIDES = {"left": "0%", "top": "0%", "center": "50%", "right": "100%", "bottom": "100%"}
 _PPI = 96  # pixels per inch, as CSS has it
 _FONT_UNITS = {"em": 16.0, "rem": 16.0, "ex": 8.0, "ch": 8.0}  # pixels of a usual font: a drawing has no text
-_LARGEST = 1e7  # pixels: 2.6 km
+_SMALLEST, _LARGEST = 1e-2, 1e7  # pixels of a page's side: above the micrometre that lengths are rounded to; 2.6 km
 _PAGE = 1000.0  # pixels: each side of a page whose file does not say it, as vpype has it
 _LENGTH = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([a-zA-Z]+|%|)\s*")
 _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
@@ -124,8 +124,9 @@ class Page:
             width = view[2] * (height or 0) / view[3] if width is None else width
             height = view[3] * width / view[2] if height is None else height
         width, height = (_PAGE if side is None else side for side in (width, height))
-        if not (0 < width < _LARGEST and 0 < height < _LARGEST):
-            raise InputError(f"its page is {width:g} x {height:g} pixels; give it a width and a height above 0")
+        if not all(_SMALLEST <= side <= _LARGEST for side in (width, height)):
+            sides = f"a width and a height from {_SMALLEST:g} to {_LARGEST:g}"
+            raise InputError(f"its page is {width:g} x {height:g} pixels; give it {sides}")
         matrix, viewport = viewed(root, (0.0, 0.0, width, height))
         return cls(width, height, matrix, viewport, said)
 

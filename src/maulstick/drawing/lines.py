@@ -127,6 +127,8 @@ def _pieces(line: Floats, region: BaseGeometry) -> list[Floats]:
     last, left = -1, 0.0  # the step of the latest piece, and the share of it where that ended
     for i in np.lexsort([shares[:, 0], which]):
         step, (begin, end) = int(which[i]), shares[i]
+        if begin == end:  # rounding, where the line only touches the region
+            continue
         goes_on = begin == left if step == last else step == last + 1 and (left, begin) == (1.0, 0.0)
         if not pieces or not goes_on:
             pieces.append([starts[step] + begin * steps[step]])

@@ -46,13 +46,15 @@ class DrawingOptions(BaseModel):
         for side in self.size or ():
             if not _SIDES[0] <= side <= _SIDES[1]:
                 raise InputError.of_range(option("size"), f"{1e3 * side:g} mm on a side", "from 1 to 20000 mm")
-        if self.margin is not None and not 0 <= self.margin < _SIDES[1]:
-            raise InputError.of_range(option("margin"), f"{1e3 * self.margin:g} mm", "at least 0")
+        self._check_within_a_sheet("margin", 0.0 if self.margin is None else self.margin)
         if self.hatch is not None and not _SPACINGS[0] <= self.hatch <= _SPACINGS[1]:
             raise InputError.of_range(option("hatch"), f"{1e3 * self.hatch:g} mm", "from 0.05 to 100 mm between lines")
         if self.hatch_hand is not None and self.hatch is None:
             raise InputError(f"{option('hatch_hand')} hatches as densely as {option('hatch')} says; give both")
         if self.hatch_angle is not None and not isfinite(self.hatch_angle):
             raise InputError.of_range(option("hatch_angle"), self.hatch_angle, "a finite number")
-        if not 0 <= self.shortest < _SIDES[1]:
-            raise InputError.of_range(option("shortest"), f"{1e3 * self.shortest:g} mm", "at least 0")
+        self._check_within_a_sheet("shortest", self.shortest)
+
+    def _check_within_a_sheet(self, name: str, length: float) -> None:
+        if not 0 <= length <= _SIDES[1]:
+            raise InputError.of_range(option(name), f"{1e3 * length:g} mm", f"from 0 to {1e3 * _SIDES[1]:g} mm")

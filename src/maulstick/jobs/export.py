@@ -26,6 +26,7 @@ DIALECTS: Final[tuple[Dialect, ...]] = ("grbl", "marlin")
 """Dialects of G-code."""
 
 _THIN, _CLEAR = 1e-6, 0.05  # metres below and above the paper that any machine reaches
+_TILTED = 2  # times as high as the tip is lifted is more than high enough above paper that lies as tilted as it may
 _NOTED = 1e-5  # metres beyond the sheet: less is rounding
 _MOST_PENS = 99  # of a carousel: more than any plotter had
 _SPEED = 0.05  # metres per second: slow enough for most pens and plotters
@@ -143,15 +144,25 @@ def _beyond(plan: Painting) -> float:
 
 def _svgs(plan: Painting, options: ExportOptions) -> Export:
     """Return one SVG, or one for each paint that draws anything, in the order in which they first do."""
-    notes = (note,) if (note := flattened_note(plan)) else ()
-    if not options.per_pen:
-        return Export((ExportFile(axidraw_svg(plan)),), notes)
-    used = dict.fromkeys(stroke.paint for stroke in plan.strokes)
+    paints = list(dict.fromkeys(stroke.paint for stroke in plan.strokes))
+    notes = []
+    if options.per_pen:
+        if (taken_up := 1 + plan.paint_changes()) > len(paints):
+            notes.append(
+                f"pens are taken up {taken_up} times in this painting, and here {len(paints)} times: "
+                "where strokes of two pens overlap, the other one may come to lie on top"
+            )
+        in_turn = sorted(plan.strokes, key=lambda stroke: paints.index(stroke.paint))
+        plan = plan.model_copy(update={"strokes": tuple(in_turn)})
+    if note := flattened_note(plan):
+        notes.append(note)
+    if not options.per_pen or len(paints) == 1:
+        return Export((ExportFile(axidraw_svg(plan)),), tuple(notes))
     files = []
-    for paint in used:
+    for paint in paints:
         alone = plan.model_copy(update={"strokes": tuple(s for s in plan.strokes if s.paint == paint)})
-        files.append(ExportFile(axidraw_svg(alone), _pen(plan, paint) if len(used) > 1 else ""))
-    return Export(tuple(files), notes)
+        files.append(ExportFile(axidraw_svg(alone), _pen(plan, paint)))
+    return Export(tuple(files), tuple(notes))
 
 
 def _loads(plan: Painting, loads: list[CarouselLoad]) -> Export:
@@ -175,10 +186,12 @@ def _at_the_origin(plan: Painting) -> Easel:
 
 
 def _around(plan: Painting, easel: Easel, tray: Tray | None, speed: float) -> Limits:
-    """Return limits for an unknown machine at that speed: where strokes may be, as deep as allowed, and the tray."""
+    """Return limits for an unknown machine at that speed: where strokes may be, how deep, how high, and the tray."""
     around = max(OFF_SHEET, _beyond(plan))  # which rounding may take a little farther
     across, along = ((-around, side + around) for side in (plan.sheet.width, plan.sheet.height))
-    ends = [[x, y, z] for x in across for y in along for z in (-max(easel.deepest, _THIN), _CLEAR)]
+    lifted = max(easel.travel, 0.0 if tray is None else tray.clearance)
+    heights = (-max(easel.deepest, _THIN), max(_CLEAR, _TILTED * lifted))
+    ends = [[x, y, z] for x in across for y in along for z in heights]
     places = [np.array(ends)]
     if tray is not None:
         for well in (*tray.paints.values(), tray.water, tray.cloth):

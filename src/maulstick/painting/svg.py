@@ -1,6 +1,6 @@
 """SVG files for plotters, Inkscape and vpype: real millimetres, one layer per paint, one open path per stroke."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from itertools import groupby
 from typing import Final
 from xml.etree import ElementTree
@@ -16,7 +16,7 @@ AXIDRAW_SPEED: Final = 0.2
 """Metres per second that +S100 in a layer's name stands for."""
 
 
-_STEADY = 0.02  # range of pressure within a stroke that nobody sees
+_STEADY = 0.02  # range of pressure within a layer that nobody sees
 _DOT = 0.01  # mm: the length of a path that stands for one point, so that no program drops it
 _AXIDRAW_TOUCH = 40  # per cent of the servo's way: the usual height at which a pen just touches
 
@@ -43,31 +43,40 @@ def axidraw_svg(painting: Painting) -> str:
 
 
 def flattened_note(painting: Painting) -> str:
-    """Return a sentence that says which strokes lose the pressure that they vary in an SVG for plotters, or ""."""
+    """Return a sentence that says which strokes lose the pressure that their layer varies in an SVG, or ""."""
     varying = [
         stroke.id
-        for stroke in painting.strokes
-        if painting.brushes[painting.paints[stroke.paint].brush].pressure_matters
-        and np.ptp([pressure for _, _, pressure in stroke.trajectory]) > _STEADY
+        for _, brush, run in _layers(painting)
+        if brush.pressure_matters and np.ptp(_pressures(run)) > _STEADY
+        for stroke in run
     ]
     if not varying:
         return ""
     which = f"stroke {varying[0]}" + (f" and {len(varying) - 1} more" if len(varying) > 1 else "")
     verb = "vary" if len(varying) > 1 else "varies"
-    return f"{which} {verb} the pressure, which an SVG cannot say: the pen's height is one for each stroke"
+    return f"{which} {verb} the pressure, which an SVG cannot say: the pen's height is one for each layer"
+
+
+def _layers(painting: Painting) -> Iterator[tuple[Paint, Brush, tuple[Stroke, ...]]]:
+    """Yield the runs of strokes of one paint, with that and its brush."""
+    for index, strokes in groupby(painting.strokes, key=lambda stroke: stroke.paint):
+        paint = painting.paints[index]
+        yield paint, painting.brushes[paint.brush], tuple(strokes)
+
+
+def _pressures(run: Sequence[Stroke]) -> Floats:
+    return np.array([pressure for stroke in run for _, _, pressure in stroke.trajectory])
 
 
 def _coded_label(number: int, paint: Paint, brush: Brush, run: Sequence[Stroke]) -> str:
     pause = "!" if number > 1 else ""
     speeds = {speed for stroke in run for speed in stroke.speed or (None,)}
-    pressures = (
-        {pressure for stroke in run for _, _, pressure in stroke.trajectory} if brush.pressure_matters else set()
-    )
+    pressures = _pressures(run)
     codes = ""
     if len(speeds) == 1 and (speed := speeds.pop()) is not None:
         codes += f"+S{min(max(round(100 * speed / AXIDRAW_SPEED), 1), 100)}"
-    if len(pressures) == 1:
-        codes += f"+H{round(_AXIDRAW_TOUCH * (1 - pressures.pop()))}"
+    if brush.pressure_matters and np.ptp(pressures) <= _STEADY:
+        codes += f"+H{round(_AXIDRAW_TOUCH * (1 - pressures.mean()))}"
     return f"{pause}{number}{codes} {paint.label} {paint.brush}"
 
 
@@ -85,9 +94,7 @@ def _svg(painting: Painting, label: Callable[[int, Paint, Brush, Sequence[Stroke
         },
     )
     lines = {stroke.id: np.array(stroke.trajectory)[:, :2] for stroke in refined(painting).strokes}
-    for number, (index, strokes) in enumerate(groupby(painting.strokes, key=lambda stroke: stroke.paint), start=1):
-        paint, run = painting.paints[index], tuple(strokes)
-        brush = painting.brushes[paint.brush]
+    for number, (paint, brush, run) in enumerate(_layers(painting), start=1):
         layer = ElementTree.SubElement(
             root,
             "g",

@@ -19,7 +19,7 @@ from maulstick.storage.arrays import Floats
 
 _SAME = 1e-7  # metres, or pressure: points that differ by less in everything count as one
 _APART = 0.02  # metres between the places of a way over that are looked at; an arm's reach changes little within
-_STEADY = 0.02  # range of pressure within a stroke that a machine that only lifts its pen may ignore
+_STEADY = 0.02  # range of pressure of a brush that a machine that only lifts its pen may ignore
 
 
 @dataclass(frozen=True)
@@ -134,6 +134,8 @@ def routine(
     wanted = refined(painting.model_copy(update={"strokes": left})).strokes
     for paint in {stroke.paint for stroke in wanted}:
         _check_depth(painting.brushes[painting.paints[paint].brush], easel, limits)
+    if not limits.varies_pressure:
+        _check_pressure(wanted, painting)
     actions: list[Action] = []
     for stroke in wanted:
         brush = painting.brushes[painting.paints[stroke.paint].brush]
@@ -198,16 +200,10 @@ def _runs_dry(load: PaintLoad, motion: Motion, tray: Tray | None) -> bool:
 
 
 def _motion(stroke: Stroke, brush: Brush, easel: Easel, limits: Limits, speed: float | None) -> Motion:
-    """Return the motion of a stroke. Raises InputError where the machine cannot vary its pressure, or is too slow."""
+    """Return the motion of a stroke. Raises InputError where the machine is too slow."""
     points = np.array(stroke.trajectory, dtype=np.float64)
     kept = np.concatenate([[True], np.abs(np.diff(points, axis=0)).max(axis=1) > _SAME])
     points = points[kept]
-    if not limits.varies_pressure and np.ptp(points[:, 2]) > _STEADY and brush.pressure_matters:
-        raise InputError(
-            f"stroke {stroke.id} varies its pressure by {np.ptp(points[:, 2]):.2f}, "
-            "and this machine only lifts its pen",
-            Remedy.HOLD_PRESSURE,
-        )
     most = limits.speed if speed is None else min(speed, limits.speed)
     speeds = np.full(len(points), most)
     if stroke.speed is not None:
@@ -232,6 +228,20 @@ def _depth(pressure: Floats, brush: Brush, easel: Easel) -> Floats:
         return np.full(pressure.shape, brush.depth[1] if any(brush.depth) else easel.deepest / 2)
     touch, deepest = brush.depth if any(brush.depth) else (0.0, easel.deepest)
     return np.asarray(touch + pressure * (deepest - touch))
+
+
+def _check_pressure(strokes: Sequence[Stroke], painting: Painting) -> None:
+    """Raise InputError where a brush needs more than one pressure, and the machine only lifts its pen."""
+    extremes: dict[str, Floats] = {}
+    for stroke in strokes:
+        brush = painting.brushes[painting.paints[stroke.paint].brush]
+        own = np.array(stroke.trajectory)[:, 2]
+        every = np.concatenate([own, extremes.get(brush.name, own)])
+        extremes[brush.name] = np.array([every.min(), every.max()])
+        if brush.pressure_matters and np.ptp(every) > _STEADY:
+            varies = f"varies its pressure by {np.ptp(own):.2f}"
+            does = varies if np.ptp(own) > _STEADY else "has another pressure than those before"
+            raise InputError(f"stroke {stroke.id} {does}, and this machine only lifts its pen", Remedy.HOLD_PRESSURE)
 
 
 def _check_depth(brush: Brush, easel: Easel, limits: Limits) -> None:
