@@ -14,7 +14,7 @@ from maulstick.studio.state.studio import Studio
 from maulstick.studio.state.titles import MOST_LETTERS
 from maulstick.studio.widgets.pen import DrawingSheet
 from maulstick.studio.widgets.showing import shown_by
-from maulstick.studio.wording import error_text
+from maulstick.studio.wording import counted, error_text
 
 _STYLE = Path(__file__).with_name("draw.css")
 
@@ -91,7 +91,7 @@ class _Sheet:
     def _tell(self) -> None:
         drawing = self._drawing
         strokes = len(drawing.strokes)
-        self._count.set_text(_counted(strokes))
+        self._count.set_text(_sheet_in_words(strokes))
         self._progress.set_value(min(strokes / GOOD, 1))
         self._undo.set_enabled(drawing.can_undo)
         self._redo.set_enabled(drawing.can_redo)
@@ -131,10 +131,10 @@ def _tool(text: str, icon: str, use: Callable[[], object]) -> ui.button:
     return ui.button(text, icon=icon, on_click=use).props("flat stack no-caps")
 
 
-def _counted(strokes: int) -> str:
+def _sheet_in_words(strokes: int) -> str:
     if strokes == 0:
         return "An empty sheet"
-    said = f"{strokes} stroke{'' if strokes == 1 else 's'}"
+    said = counted(strokes, "stroke")
     return f"{said}; {GOOD} make a good style" if strokes < GOOD else f"{said}, enough for a good style"
 
 

@@ -5,6 +5,7 @@ from nicegui import Client, html, ui
 from maulstick.errors import InputError
 from maulstick.studio.panels.styles.shown import AS_TURNED, address_of
 from maulstick.studio.state.studio import Studio
+from maulstick.studio.wording import counted
 from maulstick.style.cards import STYLES
 
 GOOD = 20
@@ -45,7 +46,7 @@ def _show(name: str, title: str, sheet: str, strokes: int, replaces: bool) -> No
         html.img(src=sheet, alt=f"Above, strokes that you drew; below, strokes in the style {title}").classes("picture")
         ui.label(AS_TURNED).classes("hint")
         if strokes < GOOD:
-            ui.label(f"It was learned from {strokes} stroke{'' if strokes == 1 else 's'}: {_MISSING}").classes("hint")
+            ui.label(f"It was learned from {counted(strokes, 'stroke')}: {_MISSING}").classes("hint")
         if replaces:
             ui.label("The style of that name before lies in the trash; under Styles you can have it back.").classes(
                 "hint"

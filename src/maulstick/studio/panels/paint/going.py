@@ -11,7 +11,7 @@ from maulstick.jobs.paintable import is_svg
 from maulstick.studio.panels.paint.turns import TurnList
 from maulstick.studio.state.run import State
 from maulstick.studio.state.studio import Studio
-from maulstick.studio.wording import machine_name
+from maulstick.studio.wording import counted, machine_name
 from maulstick.studio.workers.messages import PAINTING
 from maulstick.studio.workers.plan_pictures import plan_picture, rehearsed_sheet
 from maulstick.studio.workers.planned_paints import PlannedPaint
@@ -222,8 +222,7 @@ def _outcome(state: State, title: str) -> str:
 
 
 def _summary(estimate: Estimate) -> str:
-    paints = "1 paint" if estimate.paints == 1 else f"{estimate.paints} paints"
-    strokes = "1 stroke" if estimate.strokes == 1 else f"{estimate.strokes} strokes"
+    paints, strokes = counted(estimate.paints, "paint"), counted(estimate.strokes, "stroke")
     time = f"about {max(1, ceil(estimate.seconds / 60))} min"
     more = estimate.more_sheets
     then = "" if not more else "; then another sheet" if more == 1 else f"; then {more} other sheets"
