@@ -119,6 +119,7 @@ class _Setting:
     def choose(self, name: str) -> None:
         """Choose the plan or the drawing of that name."""
         self._plan.set_options(self._run.plans(), value=name)
+        self.on_touch()
 
     async def _bring(self, event: events.UploadEventArguments) -> None:
         async with incoming(self._studio.folder, event) as file:
