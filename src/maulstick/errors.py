@@ -144,6 +144,8 @@ def validation_fault(error: "ValidationError") -> str:
     ours = fault.get("ctx", {}).get("error")  # of a check of our own, which pydantic calls a value error
     if isinstance(ours, InputError):
         return f"{field}: {ours}"
+    if isinstance(ours, ValueError) and not fault["loc"]:  # about the whole, which is too long to be shown
+        return str(ours)
     told = str(ours) if isinstance(ours, ValueError) else fault["msg"]
     came = repr(fault["input"])
     return f"{field}: {told} (got {came if len(came) <= 60 else came[:57] + '...'})"
