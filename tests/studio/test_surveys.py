@@ -66,10 +66,13 @@ def without(change: Callable[[Draft], object]) -> Draft:
         (without(lambda draft: draft.hands.pop(1)), "Ann is the only hand; add another"),
         (without(lambda draft: setattr(draft.hands[1], "name", "Ann")), "two hands have one name"),
         (without(lambda draft: draft.hands[0].by_machine.append(KEYS[0])), "every hand needs as many drawings"),
-        (without(lambda draft: setattr(draft, "hands_asked", 3)), "is asked about is 3; it must be from 1 to 2"),
+        (
+            without(lambda draft: setattr(draft, "hands_asked", 3)),
+            "is asked about is 3; it must be a whole number from 1 to 2",
+        ),
         (
             without(lambda draft: setattr(draft, "hands_asked", None)),
-            "the number of hands that each person is asked about is nothing; it must be from 1 to 2",
+            "the number of hands that each person is asked about is nothing; it must be a whole number from 1 to 2",
         ),
         (without(lambda draft: setattr(draft, "pairs_asked", 2)), "the number of pictures that each person is asked"),
         (without(lambda draft: setattr(draft, "second_look", "")), "one of the two looks has no name yet"),

@@ -8,8 +8,11 @@ from typing import TypeVar
 from pydantic import BaseModel, ValidationError
 
 from maulstick.errors import InputError, validation_fault
+from maulstick.studio.state.whole_number import whole_number
 from maulstick.survey.questionnaire import Match, Opinions, Pair, SurveyHand
 from maulstick.survey.questions import SAME_HAND
+
+_ASKED = "the number of {} that each person is asked about"
 
 _Part = TypeVar("_Part", bound=BaseModel)
 
@@ -78,7 +81,7 @@ class Draft:
             raise InputError(
                 f"{hands[0].name} is the only hand; add another, so that there is something to choose from"
             )
-        asked = _asked(self.hands_asked, len(hands), "hands")
+        asked = whole_number(self.hands_asked, _ASKED.format("hands"), 1, len(hands))
         return _made(Match, question=self.question, hands=tuple(hands), asked=asked)
 
     def opinions(self, path_of: Callable[[str], Path]) -> Opinions | None:
@@ -97,16 +100,8 @@ class Draft:
                 raise InputError(f"comparison {number} is not whole; choose a picture and a drawing in each look")
             drawn = path_of(row.first), path_of(row.second)
             pairs.append(_made(Pair, reference=path_of(row.reference), looks=drawn))
-        asked = _asked(self.pairs_asked, len(pairs), "pictures")
+        asked = whole_number(self.pairs_asked, _ASKED.format("pictures"), 1, len(pairs))
         return _made(Opinions, systems=looks, pairs=tuple(pairs), asked=asked)
-
-
-def _asked(number: float | None, most: int, what: str) -> int:
-    """Check how many of the hands or pictures each person is asked about."""
-    if number is None or not 1 <= number <= most:
-        shown = "nothing" if number is None else f"{number:g}"
-        raise InputError.of_range(f"the number of {what} that each person is asked about", shown, f"from 1 to {most}")
-    return int(number)
 
 
 def _made(kind: type[_Part], **fields: object) -> _Part:
