@@ -144,6 +144,8 @@ def validation_fault(error: "ValidationError") -> str:
     ours = fault.get("ctx", {}).get("error")  # of a check of our own, which pydantic calls a value error
     if isinstance(ours, InputError):
         return f"{field}: {ours}"
+    if isinstance(ours, ValueError) and not fault["loc"]:  # about the whole, which is too long to be shown
+        return str(ours)
     told = str(ours) if isinstance(ours, ValueError) else fault["msg"]
     if fault["type"] == "json_invalid":  # what came is the whole file
         return f"{field}: {told}"

@@ -22,9 +22,10 @@ def test_what_was_begun_says_by_which_machine() -> None:
     assert said("grbl:/dev/ttyUSB0").endswith("Machine so far: Pen plotter with Grbl at /dev/ttyUSB0.")
 
 
-def test_the_only_colour_of_a_pen_is_a_pen_and_tubes_that_are_not_mixed_are_named() -> None:
+def test_the_only_colour_of_a_pen_is_a_pen_the_only_stroke_is_one_and_tubes_that_are_not_mixed_are_named() -> None:
     pen = PlanOptions(text="a", brush="micron-01", paints=1)
     assert "1 pen," in _summary(PlanRequest(None, pen), "loops")
     assert "1 paint," in _summary(PlanRequest(None, PlanOptions(text="a", brush="marker", paints=1)), "loops")
     unmixed = PlanOptions(text="a", brush="marker", paints_from=Path("tubes.csv"))
+    assert ", 1 stroke, " in _summary(PlanRequest(None, PlanOptions(text="a", strokes=1)), "loops")
     assert "400 strokes, the paints of your tubes," in _summary(PlanRequest(None, unmixed), "loops")

@@ -73,6 +73,25 @@ def test_a_drawing_is_brought_read_with_hatches_thrown_away_taken_back_and_paint
     expect(mine.get_by_text("All 2 strokes are painted.")).to_be_visible()
 
 
+def test_an_outcome_stands_beside_what_it_is_of_or_names_it(page: Callable[..., Page], tmp_path: Path) -> None:
+    tab = page("/paint")
+    bring(tab, tmp_path, "boat.svg", BOAT)
+    choose(tab, "Machine", QUICK)
+    tab.get_by_role("button", name="Check").click()
+    outcome, order = tab.locator(".outcome"), tab.get_by_role("heading", name="In this order")
+    expect(outcome).to_have_text(re.compile(r"^It fits\. 2 strokes"))
+    expect(order).to_be_visible()
+    bring(tab, tmp_path, "comb.svg", COMB)
+    expect(tab.get_by_label("Plan or drawing", exact=True)).to_have_value("comb")
+    expect(outcome).to_be_hidden()
+    expect(order).to_be_hidden()
+    tab.goto(tab.url.partition("?")[0] + "?plan=comb")
+    expect(outcome).to_have_text(re.compile(r"^boat: It fits\. 2 strokes"))
+    expect(order).to_be_hidden()
+    card(tab, "boat").get_by_role("button", name="Paint boat").click()
+    expect(outcome).to_be_hidden()
+
+
 def test_a_drawing_that_is_brought_again_has_pens_of_its_own(page: Callable[..., Page], tmp_path: Path) -> None:
     tab = page("/paint")
     for colour, word in (("#d02020", "red"), ("#2040c0", "blue")):

@@ -4,6 +4,7 @@ import json
 from collections.abc import Callable
 from pathlib import Path
 
+from PIL import Image
 from playwright.sync_api import Page, expect
 
 from tests.studio.conftest import RunningStudio
@@ -120,3 +121,18 @@ def test_trash_stays_in_sight_beside_what_is_done_and_the_plan_form_leaves_other
     assert tab.evaluate(PADDINGS) == paddings, "fields of Paint are as if Plan had never been open"
     tab.get_by_role("link", name="Plan").click()
     card(tab).get_by_role("button", name="Stop and keep").click()
+
+
+def test_a_picture_however_wide_stays_inside_the_form_and_is_called_as_its_file(
+    page: Callable[..., Page], tmp_path: Path
+) -> None:
+    tab = page("/plan", viewport={"width": 400, "height": 800})
+    Image.new("RGB", (4000, 100), "teal").save(panorama := tmp_path / 'the "long" sea.png')
+    with tab.expect_file_chooser() as chooser:
+        tab.get_by_role("button", name="Bring a picture").click()
+    chooser.value.set_files(panorama)
+    chosen = tab.get_by_role("radio", name='the "long" sea', exact=True)
+    expect(chosen).to_be_checked()
+    assert tab.evaluate("document.documentElement.scrollWidth <= innerWidth"), "the page is no wider than its window"
+    for each in ("img", "input"):
+        assert tab.evaluate(f"{EDGES}('.thumb {each}').right <= {EDGES}('.pictures').right")

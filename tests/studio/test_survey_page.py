@@ -45,6 +45,9 @@ def test_a_survey_is_built_answered_by_two_and_told(
         choose(shown, f"Hand {number}", "By the machine", f"as {drawn} (picture)")
     shown.get_by_role("button", name="Make the survey").click()
 
+    shown.get_by_label("How many people?").fill("")
+    shown.get_by_role("button", name="Make their links").click()
+    expect(shown.get_by_text("The number of people is nothing; it must be a whole number from 1 to")).to_be_visible()
     shown.get_by_label("How many people?").fill("2")
     shown.get_by_role("button", name="Make their links").click()
     links = [shown.get_by_role("textbox", name=f"Link {number}").input_value() for number in (1, 2)]

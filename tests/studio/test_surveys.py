@@ -66,10 +66,17 @@ def without(change: Callable[[Draft], object]) -> Draft:
         (without(lambda draft: draft.hands.pop(1)), "Ann is the only hand; add another"),
         (without(lambda draft: setattr(draft.hands[1], "name", "Ann")), "two hands have one name"),
         (without(lambda draft: draft.hands[0].by_machine.append(KEYS[0])), "every hand needs as many drawings"),
-        (without(lambda draft: setattr(draft, "hands_asked", 3)), "asked is 3; it must be at most the 2 hands"),
-        (without(lambda draft: setattr(draft, "hands_asked", None)), "asked: "),
+        (
+            without(lambda draft: setattr(draft, "hands_asked", 3)),
+            "is asked about is 3; it must be a whole number from 1 to 2",
+        ),
+        (
+            without(lambda draft: setattr(draft, "hands_asked", None)),
+            "the number of hands that each person is asked about is nothing; it must be a whole number from 1 to 2",
+        ),
+        (without(lambda draft: setattr(draft, "pairs_asked", 2)), "the number of pictures that each person is asked"),
         (without(lambda draft: setattr(draft, "second_look", "")), "one of the two looks has no name yet"),
-        (without(lambda draft: setattr(draft, "second_look", "loops")), "both systems have one name"),
+        (without(lambda draft: setattr(draft, "second_look", "loops")), "both looks have one name; give each its own"),
         (without(lambda draft: setattr(draft.pairs[0], "second", None)), "comparison 1 is not whole"),
         (
             without(lambda draft: setattr(draft.pairs[0], "first", "plans/gone/preview.png")),
@@ -83,6 +90,7 @@ def test_what_is_missing_is_said_and_nothing_is_made(folder: Folder, draft: Draf
     with pytest.raises(InputError) as refused:
         asyncio.run(surveys.make(draft))
     assert why in str(refused.value)
+    assert "(got" not in str(refused.value), "it would be of Python, which people do not read"
     assert surveys.names() == []
 
 

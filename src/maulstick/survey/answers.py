@@ -14,7 +14,9 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 from maulstick.errors import InputError, OutputError, validation_fault
 from maulstick.survey.questions import Kind, Question
 
-_MOST_LINKS = 1000  # that one call may make, so that a slip of the finger does not fill the page
+MOST_LINKS = 1000
+"""Most links that one call makes, so that a slip of the finger does not fill the page."""
+
 _VERSION = 1  # of the tables below; a database of another version is refused
 _PATIENCE = 10.0  # seconds to wait for another process that writes
 _TABLES = f"""
@@ -99,8 +101,8 @@ class Answers:
 
     def mint(self, count: int) -> list[str]:
         """Add `count` participants and return their tokens. Raises InputError for fewer than 1 or more than 1000."""
-        if not 1 <= count <= _MOST_LINKS:
-            raise InputError.of_range("the number of new links", count, f"from 1 to {_MOST_LINKS}")
+        if not 1 <= count <= MOST_LINKS:
+            raise InputError.of_range("the number of new links", count, f"from 1 to {MOST_LINKS}")
         made = [(secrets.token_urlsafe(16), secrets.randbits(32), time.time()) for _ in range(count)]
         with self._opened() as database:
             database.executemany("INSERT INTO participants (token, seed, made) VALUES (?, ?, ?)", made)

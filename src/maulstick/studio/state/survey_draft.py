@@ -8,8 +8,11 @@ from typing import TypeVar
 from pydantic import BaseModel, ValidationError
 
 from maulstick.errors import InputError, validation_fault
+from maulstick.studio.state.whole_number import whole_number
 from maulstick.survey.questionnaire import Match, Opinions, Pair, SurveyHand
 from maulstick.survey.questions import SAME_HAND
+
+_ASKED = "the number of {} that each person is asked about"
 
 _Part = TypeVar("_Part", bound=BaseModel)
 
@@ -46,17 +49,17 @@ class PairDraft:
 class Draft:
     """Draft of a survey. Empty rows do not count; a questionnaire without rows is left out.
 
-    question: what is asked about the hands, see `Match`.
+    question: what is asked about the hands, see `Match`.  hands_asked, pairs_asked: None where nothing is filled in.
     """
 
     title: str = ""
     question: str = SAME_HAND
     hands: list[HandDraft] = field(default_factory=lambda: [HandDraft(), HandDraft()])
-    hands_asked: int = 1
+    hands_asked: float | None = 1
     first_look: str = ""
     second_look: str = ""
     pairs: list[PairDraft] = field(default_factory=lambda: [PairDraft()])
-    pairs_asked: int = 1
+    pairs_asked: float | None = 1
 
     def match(self, path_of: Callable[[str], Path]) -> Match | None:
         """Make the matching questionnaire. path_of: file of a drawing. Raises InputError where something is missing."""
@@ -78,7 +81,8 @@ class Draft:
             raise InputError(
                 f"{hands[0].name} is the only hand; add another, so that there is something to choose from"
             )
-        return _made(Match, question=self.question, hands=tuple(hands), asked=self.hands_asked)
+        asked = whole_number(self.hands_asked, _ASKED.format("hands"), 1, len(hands))
+        return _made(Match, question=self.question, hands=tuple(hands), asked=asked)
 
     def opinions(self, path_of: Callable[[str], Path]) -> Opinions | None:
         """Make the questionnaire of opinions. path_of: file of a drawing. Raises InputError where it is not whole."""
@@ -88,13 +92,16 @@ class Draft:
         looks = self.first_look.strip(), self.second_look.strip()
         if not all(looks):
             raise InputError("one of the two looks has no name yet; give it one, participants will not see it")
+        if looks[0] == looks[1]:
+            raise InputError("both looks have one name; give each its own")
         pairs = []
         for number, row in enumerate(rows, start=1):
             if row.reference is None or row.first is None or row.second is None:
                 raise InputError(f"comparison {number} is not whole; choose a picture and a drawing in each look")
             drawn = path_of(row.first), path_of(row.second)
             pairs.append(_made(Pair, reference=path_of(row.reference), looks=drawn))
-        return _made(Opinions, systems=looks, pairs=tuple(pairs), asked=self.pairs_asked)
+        asked = whole_number(self.pairs_asked, _ASKED.format("pictures"), 1, len(pairs))
+        return _made(Opinions, systems=looks, pairs=tuple(pairs), asked=asked)
 
 
 def _made(kind: type[_Part], **fields: object) -> _Part:

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 
+from maulstick.studio.wording import counted
 from maulstick.studio.workers.said import ALONG_GUIDES, Said, SaidRegion
 from maulstick.studio.workers.stroke_changes import StrokeChanges
 
@@ -44,17 +45,13 @@ def _of_strokes(strokes: StrokeChanges) -> list[str]:
     (first, many), *others = [each for each in acts.items() if each[1]] or [("", 0)]
     if not many:
         return []
-    return [", ".join([f"{_counted(many, 'stroke')} {first}", *(f"{count} {act}" for act, count in others)])]
+    return [", ".join([f"{counted(many, 'stroke')} {first}", *(f"{count} {act}" for act, count in others)])]
 
 
 def _of_places(before: Said, now: Said, hands: Mapping[str, str]) -> list[str]:
     kept, guides = {each.id for each in now.regions}, set(now.guides) - set(before.guides)
     said = [region_in_words(region, hands) for region in now.regions if region not in before.regions]
     said += [f"region “{region.name}” taken out" for region in before.regions if region.id not in kept]
-    said += [_counted(len(guides), "guide")] if guides else []
+    said += [counted(len(guides), "guide")] if guides else []
     gone = set(before.guides) - set(now.guides)
-    return said + ([f"{_counted(len(gone), 'guide')} taken out"] if gone else [])
-
-
-def _counted(number: int, thing: str) -> str:
-    return f"{number} {thing}" + ("" if number == 1 else "s")
+    return said + ([f"{counted(len(gone), 'guide')} taken out"] if gone else [])

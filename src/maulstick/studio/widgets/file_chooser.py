@@ -51,5 +51,6 @@ async def upload(client: str, element: int, request: Request) -> Response:
     async with request.form() as form:
         files = [await create_file_upload(part) for part in form.values() if isinstance(part, UploadFile)]
     for file in files:
+        file.name = file.name.replace("%22", '"')  # browsers send a quote so, and a percent sign as it is
         chooser.take(file)
     return Response(status_code=200)

@@ -26,7 +26,7 @@ def first_frame(painting: Painting) -> bytes:
         line = points * canvas.pixels_per_metre
         wide = max(2 * float(widths.clip(min=0).mean()) * canvas.pixels_per_metre, 1.0)
         colour = hex_colour(paint.colour)
-        draw.line([tuple(each) for each in line.tolist()], colour, round(wide), joint="curve")
-        for x, y in (line[0], line[-1]):
+        draw.line([tuple(each) for each in line.tolist()], colour, round(wide))
+        for x, y in line:  # Pillow's own joints leave notches where points are close together
             draw.ellipse((x - wide / 2, y - wide / 2, x + wide / 2, y + wide / 2), colour)
     return encode_jpeg(np.asarray(picture.reduce(_FINER), dtype=np.float32) / np.float32(255))

@@ -18,6 +18,7 @@ from maulstick.painting.painting_file import read_painting, write_painting
 from maulstick.painting.picture import encode_jpeg
 from maulstick.painting.raster import Canvas
 from maulstick.storage.files import atomic_write, held
+from maulstick.studio.wording import counted
 from maulstick.studio.workers.process import Line
 from maulstick.studio.workers.unchanged import check_or_keep_sums
 
@@ -222,6 +223,5 @@ def _write_order(painting: Painting, folder: Path) -> None:
 
 
 def _metrics(painting: Painting) -> tuple[str, ...]:
-    paints = len(painting.colours())
     metres = f"{painting.metres_of_paints().sum():.1f} m drawn"
-    return f"{len(painting.strokes)} strokes", metres, "1 paint" if paints == 1 else f"{paints} paints"
+    return counted(len(painting.strokes), "stroke"), metres, counted(len(painting.colours()), "paint")

@@ -6,6 +6,7 @@ from typing import Any
 from nicegui import events, html, ui
 
 from maulstick.studio.panels.direct.canvas import StrokeCanvas
+from maulstick.studio.wording import counted
 from maulstick.studio.workers.stroke_marks import ShownPaint, ShownSheet
 
 _MOST_TOLD = 3  # paints that are named one by one
@@ -93,7 +94,7 @@ def chosen_in_words(strokes: int, paints: list[ShownPaint], locked: int) -> str:
     """Return what is chosen: so many strokes of these paints, so many of them locked."""
     if not strokes:
         return "Nothing is chosen. Click on a stroke, or drag a line around several."
-    what = "1 stroke" if strokes == 1 else f"{strokes} strokes"
+    what = counted(strokes, "stroke")
     if not locked:
         how = ""
     elif locked == strokes:

@@ -6,7 +6,7 @@ from pathlib import Path
 from nicegui import html, ui
 
 from maulstick.errors import InputError, MaulstickError
-from maulstick.studio.panels.draw.learned import learn_hand
+from maulstick.studio.panels.draw.learned import GOOD, learn_hand
 from maulstick.studio.panels.draw.others import OtherHands
 from maulstick.studio.panels.draw.reference import ReferencePicture, ReferenceTool
 from maulstick.studio.panels.draw.sheet_form import choose_sheet
@@ -14,10 +14,9 @@ from maulstick.studio.state.studio import Studio
 from maulstick.studio.state.titles import MOST_LETTERS
 from maulstick.studio.widgets.pen import DrawingSheet
 from maulstick.studio.widgets.showing import shown_by
-from maulstick.studio.wording import error_text
+from maulstick.studio.wording import counted, error_text
 
 _STYLE = Path(__file__).with_name("draw.css")
-_GOOD = 20  # strokes that the page recommends for a style
 
 
 def build(studio: Studio, query: Mapping[str, str]) -> None:
@@ -25,7 +24,7 @@ def build(studio: Studio, query: Mapping[str, str]) -> None:
     ui.add_css(_STYLE)
     html.h1("Show how you draw")
     html.p(
-        f"Draw as you always do: {_GOOD} strokes or more of the kind that you want the machine to make. They show it "
+        f"Draw as you always do: {GOOD} strokes or more of the kind that you want the machine to make. They show it "
         "your hand: your way of drawing. "
         "A pen with pressure is best; a finger or a mouse will do."
     ).classes("hint draw-hint")
@@ -92,8 +91,8 @@ class _Sheet:
     def _tell(self) -> None:
         drawing = self._drawing
         strokes = len(drawing.strokes)
-        self._count.set_text(_counted(strokes))
-        self._progress.set_value(min(strokes / _GOOD, 1))
+        self._count.set_text(_sheet_in_words(strokes))
+        self._progress.set_value(min(strokes / GOOD, 1))
         self._undo.set_enabled(drawing.can_undo)
         self._redo.set_enabled(drawing.can_redo)
         self._complain(self._refusal)
@@ -118,10 +117,10 @@ class _Sheet:
         self._learn.props("loading")
         try:
             if not drawing.strokes:
-                raise InputError(f"there is nothing on the sheet yet; draw some strokes, and {_GOOD} make a good style")
+                raise InputError(f"there is nothing on the sheet yet; draw some strokes, and {GOOD} make a good style")
             await self._rename()
             await drawing.keep()
-            await learn_hand(self._studio, drawing.name, self._client, len(drawing.strokes))
+            await learn_hand(self._studio, drawing.name, self._client)
         except MaulstickError as error:
             self._complain(error_text(error))
         finally:
@@ -132,11 +131,11 @@ def _tool(text: str, icon: str, use: Callable[[], object]) -> ui.button:
     return ui.button(text, icon=icon, on_click=use).props("flat stack no-caps")
 
 
-def _counted(strokes: int) -> str:
+def _sheet_in_words(strokes: int) -> str:
     if strokes == 0:
         return "An empty sheet"
-    said = f"{strokes} stroke{'' if strokes == 1 else 's'}"
-    return f"{said}; {_GOOD} make a good style" if strokes < _GOOD else f"{said}, enough for a good style"
+    said = counted(strokes, "stroke")
+    return f"{said}; {GOOD} make a good style" if strokes < GOOD else f"{said}, enough for a good style"
 
 
 def _as_word(yes: bool) -> str:

@@ -5,19 +5,20 @@ from nicegui import Client, html, ui
 from maulstick.errors import InputError
 from maulstick.studio.panels.styles.shown import AS_TURNED, address_of
 from maulstick.studio.state.studio import Studio
+from maulstick.studio.wording import counted
 from maulstick.style.cards import STYLES
+
+GOOD = 20
+"""Strokes that make a good style: with fewer, it repeats them, and knows little of how they vary."""
 
 _MISSING = (
     "it repeats them rather than varies, and knows few lengths, bends and pressures. "
-    "Draw some thirty, short and long, straight and bent, and learn it again."
+    f"Draw {GOOD} or more, short and long, straight and bent, and learn it again."
 )
-_FEW = 30  # strokes: with fewer, a style repeats them, and knows little of how they vary
 
 
-async def learn_hand(studio: Studio, name: str, client: Client, strokes: int = _FEW) -> None:
+async def learn_hand(studio: Studio, name: str, client: Client) -> None:
     """Learn a style with the hand's title, which replaces the user's style of that title, and show it to a client.
-
-    strokes: of the hand, where their number is known.
 
     Raises InputError where the hand has too few strokes, or its name belongs to a style that comes with Maulstick.
     """
@@ -27,6 +28,8 @@ async def learn_hand(studio: Studio, name: str, client: Client, strokes: int = _
     if style == STYLES.taken or (old is not None and STYLES.is_built_in(old)):
         raise InputError(f"a style that comes with Maulstick is called {style}; give this hand another name")
     replaces = await styles.renew(style, lambda: hands.learn(name, style))
+    card = hands.card(name)
+    strokes = GOOD if card is None else card.strokes
     with client.layout:  # the page may show another panel by now
         _show(style, styles.titles()[style], f"/sheet/{(await styles.sheet(style)).name}", strokes, replaces)
 
@@ -42,8 +45,8 @@ def _show(name: str, title: str, sheet: str, strokes: int, replaces: bool) -> No
         html.h2(f"This is how {title} draws")
         html.img(src=sheet, alt=f"Above, strokes that you drew; below, strokes in the style {title}").classes("picture")
         ui.label(AS_TURNED).classes("hint")
-        if strokes < _FEW:
-            ui.label(f"It was learned from {strokes} stroke{'' if strokes == 1 else 's'}: {_MISSING}").classes("hint")
+        if strokes < GOOD:
+            ui.label(f"It was learned from {counted(strokes, 'stroke')}: {_MISSING}").classes("hint")
         if replaces:
             ui.label("The style of that name before lies in the trash; under Styles you can have it back.").classes(
                 "hint"

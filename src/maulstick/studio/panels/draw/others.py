@@ -10,7 +10,7 @@ from maulstick.studio.state.studio import Studio
 from maulstick.studio.widgets.showing import shown_by
 from maulstick.studio.widgets.undoing import offer_undo
 from maulstick.studio.widgets.uploading import incoming, upload_button
-from maulstick.studio.wording import error_text
+from maulstick.studio.wording import counted, error_text
 from maulstick.studio.workers.hand_work import PICTURE, HandCard
 
 _ENDINGS = ".csv,.uim,.will,.inkml,.svg,.json,.npz"  # that the browser offers; the content decides
@@ -104,5 +104,4 @@ def _trouble() -> ui.label:
 
 
 def _summary(card: HandCard) -> str:
-    count = f"{card.strokes} stroke{'' if card.strokes == 1 else 's'}"
-    return f"{count}, {'with' if card.pressed else 'without'} pressure"
+    return f"{counted(card.strokes, 'stroke')}, {'with' if card.pressed else 'without'} pressure"

@@ -11,6 +11,7 @@ from maulstick.studio.state.titles import title_of
 from maulstick.studio.widgets.renaming import rename_button
 from maulstick.studio.widgets.showing import shown_by
 from maulstick.studio.widgets.undoing import offer_undo
+from maulstick.studio.wording import counted
 from maulstick.studio.workers.svg_work import PICTURE, SvgCard
 
 
@@ -84,6 +85,6 @@ def facts(card: SvgCard) -> str:
     width, height = card.sheet
     length = f"{1e3 * card.metres:.0f} mm" if card.metres < 1 else f"{card.metres:.1f} m"
     paths = "1 path" if card.paths == 1 else f"{card.paths:,} paths"
-    pens = "1 pen" if card.pens == 1 else f"{card.pens} pens"
+    pens = counted(card.pens, "pen")
     parts = (Sheet(width=width, height=height).millimetres, paths, length, pens)
     return ", ".join(part.replace(" ", "\N{NO-BREAK SPACE}") for part in parts)

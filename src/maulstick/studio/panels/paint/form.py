@@ -11,6 +11,7 @@ from maulstick.errors import InputError
 from maulstick.jobs.paint.options import MOST_COPIES, PaintOptions
 from maulstick.jobs.plan.options import MOST_STROKES
 from maulstick.studio.state.studio import Studio
+from maulstick.studio.state.whole_number import whole_number
 from maulstick.studio.widgets.uploading import upload_button
 from maulstick.studio.wording import DETAILS_LABEL, MACHINES
 
@@ -140,7 +141,7 @@ class OptionsForm:
         Raises InputError for options that are invalid or do not fit each other.
         """
         looks = bool(self._camera.value)
-        every = _whole(self._every.value, "the number of strokes between two looks", 0, MOST_STROKES)
+        every = whole_number(self._every.value, "the number of strokes between two looks", 0, MOST_STROKES)
         if looks and picture is None:
             raise InputError("a camera is for plans of a picture, and this one is of none; let nobody look")
         easel = str(self._easel.value)
@@ -153,7 +154,9 @@ class OptionsForm:
             look=looks,
             camera=None if self._camera.value in ("", _EASEL_S_OWN) else str(self._camera.value),
             picture=picture if looks else None,
-            copies=_whole(self._copies.value, "the number of copies", 1, MOST_COPIES) if self._copies.visible else None,
+            copies=whole_number(self._copies.value, "the number of copies", 1, MOST_COPIES)
+            if self._copies.visible
+            else None,
             pause_at=_numbers(str(self._pauses.value or "")) if self._pauses.visible else None,
         )
 
@@ -240,14 +243,6 @@ def _speed(value: float | None) -> float:
     if not _SLOWEST <= value <= _FASTEST:
         raise InputError.of_range("the speed", f"{value:g} mm/s", f"from {_SLOWEST} to {_FASTEST} mm/s")
     return value
-
-
-def _whole(value: float | None, name: str, least: int, most: int) -> int:
-    """Check a whole number. name: in errors. Raises InputError where it is none from `least` to `most`."""
-    if value is None or not least <= value <= most or value != int(value):
-        shown = "nothing" if value is None else f"{value:g}"
-        raise InputError.of_range(name, shown, f"from {least} to {most}")
-    return int(value)
 
 
 def _numbers(text: str) -> tuple[int, ...] | None:

@@ -11,7 +11,7 @@ from maulstick.jobs.paintable import is_svg
 from maulstick.studio.panels.paint.turns import TurnList
 from maulstick.studio.state.run import State
 from maulstick.studio.state.studio import Studio
-from maulstick.studio.wording import machine_name
+from maulstick.studio.wording import counted, machine_name
 from maulstick.studio.workers.messages import PAINTING
 from maulstick.studio.workers.plan_pictures import plan_picture, rehearsed_sheet
 from maulstick.studio.workers.planned_paints import PlannedPaint
@@ -118,6 +118,7 @@ class Sheets:
             self._list = html.ul()
         self._noted: tuple[str, ...] = ()
         self._past: State | None = None
+        self._shown = ""
 
     def forget_outcome(self) -> None:
         """Hide the outcome: the form has changed since."""
@@ -126,7 +127,7 @@ class Sheets:
 
     def show(self, plan: str) -> None:
         """Show the plan or the drawing of that name, and the last picture of its sheet."""
-        state = self._run.state
+        state, self._shown = self._run.state, plan
         self._show_outcome()
         self._pair.visible = bool(plan)
         if plan:
@@ -148,9 +149,13 @@ class Sheets:
 
     def _show_outcome(self) -> None:
         state = self._run.state
-        self._outcome.text = "" if state is self._past and not self._run.is_busy else _outcome(state, self._run.title)
+        is_told = state.plan == self._shown or self._run.title in state.sentence  # what it is of
+        of = "" if is_told else f"{self._run.title}: "
+        outcome = _outcome(state, self._run.title, of)
+        self._outcome.text = "" if state is self._past and not self._run.is_busy else outcome
         self._outcome.visible = bool(self._outcome.text)
-        self._turns.show(state.estimate if state.is_on or (self._outcome.text and state.progress is None) else None)
+        is_checked = self._outcome.text and state.progress is None and not of
+        self._turns.show(state.estimate if state.is_on or is_checked else None)
         self._outcome.classes(add="fault" if state.fault else "", remove="" if state.fault else "fault")
 
     def _left_of(self, plan: str) -> str:
@@ -211,19 +216,19 @@ def _left(seconds: float) -> str:
     return f"about {ceil(seconds / 60)} min left" if seconds > 90 else f"{ceil(seconds)} s left"
 
 
-def _outcome(state: State, title: str) -> str:
+def _outcome(state: State, title: str, of: str) -> str:
+    """Return the outcome of a check or a run, after `of` where it has ended; "" where there is none."""
     if state.phase == "checking":
         return f"Checking whether {title} can be painted …"
     if state.phase != "ended":
         return ""
     if state.estimate is not None and state.estimate.strokes and state.progress is None and not state.fault:
-        return f"{state.sentence} {_summary(state.estimate)}"
-    return state.sentence[:1].upper() + state.sentence[1:] if state.fault else state.sentence
+        return f"{of}{state.sentence} {_summary(state.estimate)}"
+    return of + (state.sentence[:1].upper() + state.sentence[1:] if state.fault else state.sentence)
 
 
 def _summary(estimate: Estimate) -> str:
-    paints = "1 paint" if estimate.paints == 1 else f"{estimate.paints} paints"
-    strokes = "1 stroke" if estimate.strokes == 1 else f"{estimate.strokes} strokes"
+    paints, strokes = counted(estimate.paints, "paint"), counted(estimate.strokes, "stroke")
     time = f"about {max(1, ceil(estimate.seconds / 60))} min"
     more = estimate.more_sheets
     then = "" if not more else "; then another sheet" if more == 1 else f"; then {more} other sheets"

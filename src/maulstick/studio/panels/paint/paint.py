@@ -18,7 +18,7 @@ from maulstick.studio.panels.paint.reading import ReadingForm
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.widgets.showing import shown_by
 from maulstick.studio.widgets.uploading import incoming, upload_button
-from maulstick.studio.wording import DETAILS_LABEL, RESTART_LABEL, error_text, machine_name
+from maulstick.studio.wording import DETAILS_LABEL, RESTART_LABEL, counted, error_text, machine_name
 from maulstick.studio.workers.planned_paints import PlannedPaint
 
 _STYLE = Path(__file__).with_name("paint.css")
@@ -119,6 +119,7 @@ class _Setting:
     def choose(self, name: str) -> None:
         """Choose the plan or the drawing of that name."""
         self._plan.set_options(self._run.plans(), value=name)
+        self.on_touch()
 
     async def _bring(self, event: events.UploadEventArguments) -> None:
         async with incoming(self._studio.folder, event) as file:
@@ -259,17 +260,13 @@ def _begun_text(status: PaintStatus | None) -> str:
     if status is None:
         return ""
     if status.is_over:
-        return f"All {_counted(status.strokes, 'stroke')} are painted.{_REHEARSED if status.options.simulated else ''}"
+        return f"All {counted(status.strokes, 'stroke')} are painted.{_REHEARSED if status.options.simulated else ''}"
     sheets = status.options.sheets
     sheet = f" on sheet {status.sheet} of {sheets}" if sheets > 1 else ""
-    done = f"{status.painted} of {_counted(status.strokes, 'stroke')}"
+    done = f"{status.painted} of {counted(status.strokes, 'stroke')}"
     so_far = f" Machine so far: {machine_name(status.options.machine)}."
     return f"It was begun: {done} are painted{sheet}.{_REHEARSED if status.options.simulated else so_far}"
 
 
 def _to_be_mixed(missing: int) -> str:
-    return f"Mix {_counted(missing, 'paint')} first" if missing else ""
-
-
-def _counted(number: int, what: str) -> str:
-    return f"{number} {what}" if number == 1 else f"{number} {what}s"
+    return f"Mix {counted(missing, 'paint')} first" if missing else ""

@@ -14,7 +14,7 @@ from maulstick.studio.panels.paints.tray import build_tray
 from maulstick.studio.panels.paints.tubes import build_tubes
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.widgets.showing import shown_by
-from maulstick.studio.wording import error_text
+from maulstick.studio.wording import counted, error_text
 from maulstick.studio.workers.planned_paints import PlannedPaint
 
 _STYLE = Path(__file__).with_name("paints.css")
@@ -161,7 +161,7 @@ def _recipe(studio: Studio, paint: PlannedPaint, recipe: Recipe) -> None:
             with html.li():
                 html.span().classes("dab").style(f"background: {tubes.get(name, 'transparent')}")
                 alone = len(recipe.parts) == 1
-                ui.label(f"{name} alone" if alone else f"{parts} part{'' if parts == 1 else 's'} {name}")
+                ui.label(f"{name} alone" if alone else f"{counted(parts, 'part')} {name}")
     given = hex_colour(recipe.colour)
     with ui.element().classes("beside").props(f'role="img" aria-label="Wanted {paint.hex}, this gives {given}"'):
         for text, colour in (("wanted", paint.hex), ("this gives", given)):
@@ -184,9 +184,8 @@ def _verdict(recipe: Recipe) -> str:
 def _usage(paint: PlannedPaint) -> str:
     if not paint.strokes:
         return "No stroke uses it; it need not be mixed."
-    strokes = f"{paint.strokes} stroke{'' if paint.strokes == 1 else 's'}"
     again = "" if paint.times == 1 else f", taken up {paint.times} times"
-    return f"{paint.metres:.1f} m in {strokes} · comes {_ordinal(paint.place)}{again}"
+    return f"{paint.metres:.1f} m in {counted(paint.strokes, 'stroke')} · comes {_ordinal(paint.place)}{again}"
 
 
 def _place(studio: Studio, paint: PlannedPaint) -> str:

@@ -25,7 +25,7 @@ from maulstick.studio.widgets.sheet_sizes import in_words
 from maulstick.studio.widgets.showing import focus, shown_by
 from maulstick.studio.widgets.slider import Slider
 from maulstick.studio.widgets.undoing import offer_undo
-from maulstick.studio.wording import planned_for
+from maulstick.studio.wording import counted, planned_for
 from maulstick.studio.workers.planner import order_frame
 
 _FILES = {"painting.json": "The plan", "painting.svg": "For a plotter (SVG)", "preview.png": "A picture"}
@@ -219,7 +219,7 @@ def _summary(request: PlanRequest, style: str) -> str:
     options, usual = request.options, PlanOptions()
     mixed = options.mixed_paints
     hand = f"{style} at {options.hand_size:g} times its size" if options.hand_size != 1 else style
-    strokes = "as many strokes as it needs" if options.strokes == AUTO else f"{options.strokes} strokes"
+    strokes = "as many strokes as it needs" if options.strokes == AUTO else counted(options.strokes, "stroke")
     if options.inks:
         colours = "one ink" if len(options.inks) == 1 else f"{len(options.inks)} inks"
     elif mixed is None:

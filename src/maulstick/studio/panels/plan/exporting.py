@@ -7,6 +7,7 @@ from nicegui import html, ui
 from maulstick.errors import InputError
 from maulstick.jobs.export import ExportOptions
 from maulstick.robot.easel import Pen
+from maulstick.studio.state.whole_number import whole_number
 from maulstick.studio.workers.desk import Desk
 from maulstick.studio.workers.export_work import Taken, export_film, export_for_machine, export_picture
 
@@ -66,10 +67,10 @@ class ExportDialog:
     async def _taken(self) -> Taken:
         kind, painting, name = str(self._kind.value), self._painting, self._name
         if kind in (_PNG, _PDF):
-            px = _whole(self._height, "the height in pixels", 16, _MOST_PX) if kind == _PNG else None
+            px = whole_number(self._height.value, "the height in pixels", 16, _MOST_PX) if kind == _PNG else None
             return await self._desk.do(export_picture, painting, name, px)
         if kind in _FILMS:
-            seconds = _whole(self._seconds, "the seconds of a film", 1, _MOST_SECONDS)
+            seconds = whole_number(self._seconds.value, "the seconds of a film", 1, _MOST_SECONDS)
             return await self._desk.do(export_film, painting, name, kind, seconds)
         options = ExportOptions(
             format="gcode" if kind in _GCODE else "svg" if kind == _PER_PEN else kind,
@@ -87,11 +88,3 @@ class ExportDialog:
         if up == down:
             raise InputError("the servo's numbers for up and down are the same; write two that differ")
         return Pen(up=up, down=down)
-
-
-def _whole(number: ui.number, what: str, least: int, most: int) -> int:
-    value = number.value
-    if value is None or not least <= value <= most or value != int(value):
-        shown = "nothing" if value is None else f"{value:g}"
-        raise InputError.of_range(what, shown, f"a whole number from {least} to {most}")
-    return int(value)

@@ -26,6 +26,7 @@ from maulstick.studio.state.plan import Plan
 from maulstick.studio.state.settings import Choices
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.state.weighing import PICTURE_TERMS, check_weights
+from maulstick.studio.state.whole_number import whole_number
 from maulstick.studio.widgets.brushes import USUAL_PEN, draws_one_width, is_pen
 from maulstick.studio.widgets.showing import shown_by
 from maulstick.studio.widgets.slider import Slider
@@ -239,13 +240,13 @@ class PlanForm:
             raise InputError("this studio cannot read words, for CLIP is not installed; take them out, use a picture")
         strokes: int | Literal["auto"] = AUTO
         if not self._takes_enough:
-            strokes = _whole(self._strokes, "the number of strokes", _MOST_STROKES)
+            strokes = whole_number(self._strokes.value, "the number of strokes", 1, _MOST_STROKES)
         if self._hand_size.value is None:
             raise InputError.of_range(option("hand_size"), "nothing", "a number of times")
         placing, ink = self._sheet.placing(), self._inks.colours if self._kind.value == "ink" else None
         paints = None
         if ink is None and strokes != AUTO:
-            paints = min(_whole(self._paints, "the number of paints", _MOST_PAINTS), strokes)
+            paints = min(whole_number(self._paints.value, "the number of paints", 1, _MOST_PAINTS), strokes)
         weights = {name: slider.value for name, slider in self._weights.items()}
         asked: dict[str, Any] = {"paints": paints, **self._more.options(in_ink=ink is not None)}
         options = PlanOptions(
@@ -266,7 +267,7 @@ class PlanForm:
             arrange=self._arrange.value if self._arrange.element.visible else _DEFAULT.arrange,
             steps=int(self._effort.value or 0),
         )
-        return PlanRequest(picture, options, _whole(self._more.tries, "the number of tries", MOST_TRIES))
+        return PlanRequest(picture, options, whole_number(self._more.tries.value, "the number of tries", 1, MOST_TRIES))
 
 
 def _offered(choices: Choices) -> dict[str, Any]:
@@ -274,12 +275,3 @@ def _offered(choices: Choices) -> dict[str, Any]:
     usual = Choices()
     gone = {name for name, offered in _OFFERS.items() if getattr(choices, name) not in offered}
     return choices.model_copy(update={name: getattr(usual, name) for name in gone}).model_dump()
-
-
-def _whole(number: ui.number, name: str, most: int) -> int:
-    value = number.value
-    if value is None or not 1 <= value <= most or value != int(value):
-        raise InputError.of_range(
-            name, "nothing" if value is None else f"{value:g}", f"a whole number from 1 to {most}"
-        )
-    return int(value)

@@ -8,17 +8,18 @@ from pathlib import Path
 
 from nicegui import background_tasks, html, ui
 
-from maulstick.errors import InputError, MaulstickError
+from maulstick.errors import MaulstickError
 from maulstick.studio.panels.survey.form import SurveyForm
 from maulstick.studio.panels.survey.results import confusion_table, opinions_table, right_table
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.state.titles import file_name
+from maulstick.studio.state.whole_number import whole_number
 from maulstick.studio.widgets.renaming import ask_for_title
 from maulstick.studio.widgets.showing import shown_by
 from maulstick.studio.widgets.undoing import offer_undo
 from maulstick.studio.wording import error_text
 from maulstick.studio.workers.survey_results import SurveyReport
-from maulstick.survey.answers import Participant
+from maulstick.survey.answers import MOST_LINKS, Participant
 
 _STYLE = Path(__file__).with_name("survey.css")
 _MOST_SHOWN = 40  # links; all of them can be copied
@@ -98,7 +99,7 @@ class _Survey:
             self._read.visible = False
             self._count = ui.label("Counting the answers …").classes("figure").props('role="status"')
             with ui.element().classes("line"):
-                self._more = ui.number("How many people?", value=10, min=1, max=1000, precision=0)
+                self._more = ui.number("How many people?", value=10, min=1, max=MOST_LINKS, precision=0)
                 self._more.props("outlined dense").classes("how-many")
                 self._make = ui.button("Make their links", icon="add_link", on_click=self._invite)
                 self._all = ui.button("Copy all links", icon="content_copy", on_click=self._copy_all).props("outline")
@@ -165,12 +166,10 @@ class _Survey:
         return f"{self._under}/{person.token}"
 
     async def _invite(self) -> None:
-        count = self._more.value
-        if not isinstance(count, int | float) or count != int(count):
-            raise InputError.of_range("the number of people", count, "a whole number from 1 to 1000")
+        count = whole_number(self._more.value, "the number of people", 1, MOST_LINKS)
         self._make.disable()  # or a double click would make them twice
         try:
-            await asyncio.gather(self._surveys.invite(self._name, int(count)), asyncio.sleep(_PAUSE))
+            await asyncio.gather(self._surveys.invite(self._name, count), asyncio.sleep(_PAUSE))
         finally:
             self._make.enable()
         ui.notify("The links are made. Give each to one person.")

@@ -1,0 +1,14 @@
+"""Whole numbers that people type into fields."""
+
+from maulstick.errors import InputError
+
+
+def whole_number(typed: float | None, name: str, least: int, most: int) -> int:
+    """Check what was typed, None for nothing. name: in errors.
+
+    Raises InputError where it is no whole number from `least` to `most`.
+    """
+    if typed is None or not least <= typed <= most or typed != int(typed):
+        shown = "nothing" if typed is None else f"{typed:g}"
+        raise InputError.of_range(name, shown, f"a whole number from {least} to {most}")
+    return int(typed)
