@@ -29,7 +29,7 @@ from tests.support.studio.plans_to_paint import put_plan
 
 pytestmark = pytest.mark.usefixtures("data")
 
-HATCHED = DrawingOptions(size=(0.3, 0.2), margin=0.01, hatch=0.002, no_repeats=True)
+HATCHED = DrawingOptions(size=(0.3, 0.2), margin=0.01, hatch=0.002, no_repeats=True, join=1e-4)
 ENTITIES = '<!DOCTYPE svg [<!ENTITY a "aaaa">]>' + svg("<path d='M 0 0 H 5' id='&a;'/>")
 PICTURE = svg('<image width="5" height="5" href="cat.png"/>')
 

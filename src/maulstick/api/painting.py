@@ -166,7 +166,7 @@ def read_painting(path: str | Path, **drawing: Any) -> Painting:
     """Read a painting.json, or an SVG as a painting that a machine draws as it is.
 
     drawing: fields of `DrawingOptions`, by which an SVG is read, as in ``size="A4", hatch="1mm"``, or in metres: size,
-    margin, rotate, hatch, hatch_angle, hatch_hand, no_repeats, shortest, keep_order.
+    margin, rotate, hatch, hatch_angle, hatch_hand, no_repeats, join, shortest, keep_order.
     Raises InputError where there is none, or it is not a painting. Warns of what of an SVG is not drawn as it says.
 
         >>> read_painting(folder / "cat.json").sheet.width

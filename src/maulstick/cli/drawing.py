@@ -40,6 +40,10 @@ HatchHand = Annotated[
     ),
 ]
 NoRepeats = Annotated[bool, _drawing("--no-repeats", metavar="", help="Leave out paths that are there twice.")]
+Join = Annotated[
+    str | None,
+    _drawing(metavar="MM", show_default="none", help="Draw paths whose ends are so near as one, the pen kept down."),
+]
 Shortest = Annotated[
     str | None, _drawing(metavar="MM", show_default="0", help="Leave out paths that are shorter than this.")
 ]
@@ -55,6 +59,7 @@ def drawing_options(
     hatch: str | None,
     hatch_hand: str | None,
     no_repeats: bool,
+    join: str | None,
     shortest: str | None,
     keep_order: bool,
 ) -> DrawingOptions | None:
@@ -68,6 +73,7 @@ def drawing_options(
         **({} if hatch is None else _hatch(hatch)),
         "hatch_hand": hatch_hand,
         "no_repeats": no_repeats or None,
+        "join": None if join is None else metres(join, "--join"),
         "shortest": None if shortest is None else metres(shortest, "--shortest"),
         "keep_order": keep_order or None,
     }

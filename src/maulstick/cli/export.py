@@ -12,6 +12,7 @@ from rich.console import Console
 from maulstick.cli.drawing import (
     Hatch,
     HatchHand,
+    Join,
     KeepOrder,
     Margin,
     NoRepeats,
@@ -84,6 +85,7 @@ def export(
     hatch: Hatch = None,
     hatch_hand: HatchHand = None,
     no_repeats: NoRepeats = False,
+    join: Join = None,
     shortest: Shortest = None,
     keep_order: KeepOrder = False,
 ) -> None:
@@ -104,7 +106,7 @@ def export(
     )
     path = out or painting.parent / f"{painting.stem}.plot.{format}"
     _check(path, painting, overwrite)
-    drawing = drawing_options(size, margin, rotate, hatch, hatch_hand, no_repeats, shortest, keep_order)
+    drawing = drawing_options(size, margin, rotate, hatch, hatch_hand, no_repeats, join, shortest, keep_order)
     export = exported(read_plan(painting, drawing), options)
     for note in export.notes:
         _say(f"note: {note}")

@@ -8,6 +8,7 @@ import typer
 from maulstick.cli.drawing import (
     Hatch,
     HatchHand,
+    Join,
     KeepOrder,
     Margin,
     NoRepeats,
@@ -36,6 +37,7 @@ def render(
     hatch: Hatch = None,
     hatch_hand: HatchHand = None,
     no_repeats: NoRepeats = False,
+    join: Join = None,
     shortest: Shortest = None,
     keep_order: KeepOrder = False,
 ) -> None:
@@ -48,7 +50,7 @@ def render(
         raise InputError(f"--out is {path}; an image is written as PNG, so let its name end in .png")
     check_place(path, "--out", overwrite)
     plan = read_plan(
-        painting, drawing_options(size, margin, rotate, hatch, hatch_hand, no_repeats, shortest, keep_order)
+        painting, drawing_options(size, margin, rotate, hatch, hatch_hand, no_repeats, join, shortest, keep_order)
     )
     from maulstick.rendering.preview import preview_of_height  # loads torch
 

@@ -25,7 +25,8 @@ class DrawingOptions(BaseModel):
     rotate: degrees, clockwise.
     hatch: distance of the parallel lines that fill filled shapes; None leaves them empty.  hatch_angle: of those lines,
     from the x axis, clockwise as seen.  hatch_hand: name of the style whose strokes hatch, instead of lines.
-    no_repeats: whether a path that was there already is left out.  shortest: paths that are shorter are left out.
+    no_repeats: whether a path that was there already is left out.  join: distance of ends, up to which paths of one pen
+    are drawn as one; 0 joins none.  shortest: paths that are shorter are left out.
     keep_order: whether the paths of a pen are drawn in the order of the file, and not in a quick one.
     """
 
@@ -38,6 +39,7 @@ class DrawingOptions(BaseModel):
     hatch_angle: float | None = None
     hatch_hand: str | None = None
     no_repeats: bool = False
+    join: _Length = 0.0
     shortest: _Length = 0.0
     keep_order: bool = False
 
@@ -53,6 +55,7 @@ class DrawingOptions(BaseModel):
             raise InputError(f"{option('hatch_hand')} hatches as densely as {option('hatch')} says; give both")
         if self.hatch_angle is not None and not isfinite(self.hatch_angle):
             raise InputError.of_range(option("hatch_angle"), self.hatch_angle, "a finite number")
+        self._check_within_a_sheet("join", self.join)
         self._check_within_a_sheet("shortest", self.shortest)
 
     def _check_within_a_sheet(self, name: str, length: float) -> None:

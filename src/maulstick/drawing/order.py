@@ -1,13 +1,16 @@
-"""Lines of one pen in a quick order, and without those that are there twice."""
+"""Lines of one pen in a quick order, without those that are there twice, and joined where their ends meet."""
 
-from collections.abc import Sequence
+from collections import deque
+from collections.abc import Iterable, Sequence
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from maulstick.ordering.tour import tour
-from maulstick.storage.arrays import Floats
+from maulstick.storage.arrays import Bools, Floats
 
 _ALIKE = 1e-5  # metres: lines that differ by less at each point are the same
+_SAME = 1e-9  # metres: less is rounding
 _BETWEEN = 0.25  # of that: files end in tenths of it, which then never lie where rounding may go either way
 
 
@@ -29,3 +32,43 @@ def without_repeats(lines: Sequence[Floats]) -> list[Floats]:
             seen.add(key)
             found.append(line)
     return found
+
+
+def joined(lines: Sequence[Floats], gap: float) -> list[Floats]:
+    """Return the lines (k, 2), of which those whose ends are at most `gap` metres apart are one, in their order.
+
+    A line goes on with the one whose end is nearest, turned where it has to be, from its last point on and then from
+    its first. Closed ones stay alone.
+    """
+    ends = np.array([line[[0, -1]] for line in lines]).reshape(-1, 2)  # of line i the rows 2 i and 2 i + 1
+    tree, found = cKDTree(ends), list[Floats]()
+    is_open = np.hypot(*(ends[1::2] - ends[::2]).T) > _ALIKE
+    free, left = np.repeat(is_open, 2), np.ones(len(lines), dtype=np.bool_)
+    for first, line in enumerate(lines):
+        if not left[first]:
+            continue
+        parts = deque([line])
+        free[2 * first : 2 * first + 2] = False
+        for end in (2 * first + 1, 2 * first) if is_open[first] else ():
+            at_last = bool(end % 2)
+            while (near := _nearest(tree, end, free, gap)) is not None:
+                row, end = near // 2, near ^ 1
+                free[2 * row : 2 * row + 2] = left[row] = False
+                forward = lines[row] if bool(near % 2) != at_last else lines[row][::-1]
+                (parts.append if at_last else parts.appendleft)(forward)
+        found.append(line if len(parts) == 1 else _in_one(parts))
+    return found
+
+
+def _nearest(tree: cKDTree, end: int, free: Bools, gap: float) -> int | None:
+    """Return which of the ends in the tree that are free is nearest to one of them; None for none within the gap."""
+    near = np.sort(tree.query_ball_point(tree.data[end], gap)).astype(np.int64)
+    near = near[free[near]]
+    return int(near[np.hypot(*(tree.data[near] - tree.data[end]).T).argmin()]) if len(near) else None
+
+
+def _in_one(parts: Iterable[Floats]) -> Floats:
+    """Return lines (k, 2) one after another as one, in which a point where two meet is there once."""
+    points: Floats = np.concatenate(list(parts))
+    goes_on: Bools = np.append(True, np.hypot(*np.diff(points, axis=0).T) > _SAME)
+    return points[goes_on]

@@ -17,7 +17,7 @@ from maulstick.drawing.hand import HatchingHand, hatched_by_hand
 from maulstick.drawing.layout import Layout
 from maulstick.drawing.lines import lengths
 from maulstick.drawing.options import DrawingOptions
-from maulstick.drawing.order import in_quick_order, without_repeats
+from maulstick.drawing.order import in_quick_order, joined, without_repeats
 from maulstick.drawing.pens import Pen, pens_of
 from maulstick.drawing.placed import Placed
 from maulstick.drawing.regions import hatched
@@ -125,6 +125,8 @@ def _drawing(walk: Walk, shapes: Sequence[Shape], options: DrawingOptions, hand:
         raise InputError(f"nothing of it lies on its sheet of {sheet.millimetres}; {told}")
     if options.no_repeats:
         lines = [without_repeats(each) for each in lines]
+    if options.join:
+        lines = [joined(each, options.join) for each in lines]
     if options.shortest:
         lines = [_without_specks(each, options.shortest) for each in lines]
         if not any(lines):

@@ -106,7 +106,7 @@ def test_how_it_was_read_is_kept_and_what_would_read_it_otherwise_is_refused(dra
 
 def test_hatching_is_as_dense_in_millimetres_as_with_its_unit() -> None:
     for typed in ("1.5@30", "1.5mm@30", "0.15cm@30"):
-        options = drawing_options(None, None, "0", typed, None, False, None, False)
+        options = drawing_options(None, None, "0", typed, None, False, None, None, False)
         assert options is not None
         assert (options.hatch, options.hatch_angle) == pytest.approx((1.5e-3, np.pi / 6))
 
@@ -167,9 +167,17 @@ def test_a_path_that_is_there_twice_is_drawn_once_on_request(drawing: Path) -> N
         assert strokes in run("paint", drawing, "--dry-run", *words).stderr
 
 
+def test_paths_whose_ends_meet_are_drawn_in_one_go_on_request(drawing: Path) -> None:
+    drawing.write_text(SVG.format('<path d="M5 5h30"/><path d="M35 20V5.05"/>'))
+    for words, strokes in (((), "2 strokes, 45 mm"), (("--join", "0.1"), "1 stroke, 45 mm")):
+        assert strokes in run("paint", drawing, "--dry-run", *words).stderr
+
+
 @pytest.mark.parametrize(
     ("words", "fault"),
     [
+        (("--join", "near"), "--join is 'near'; it must be a length, as 10 for millimetres, 10mm or 1cm"),
+        (("--join", "30000"), "--join is 30000 mm; it must be from 0 to 20000 mm"),
         (("--hatch", "wide"), "--hatch is 'wide'; it must be millimetres between lines, as 1, or 1@30 with an angle"),
         (("--hatch", "1@"), "--hatch is '1@'; it must be millimetres between lines, as 1, or 1@30 with an angle"),
         (("--hatch", "1@nan"), "--hatch is '1@nan'; it must be millimetres between lines, as 1, or 1@30 with an angle"),

@@ -9,6 +9,7 @@ import typer
 from maulstick.cli.drawing import (
     Hatch,
     HatchHand,
+    Join,
     KeepOrder,
     Margin,
     NoRepeats,
@@ -97,6 +98,7 @@ def paint(
     hatch: Hatch = None,
     hatch_hand: HatchHand = None,
     no_repeats: NoRepeats = False,
+    join: Join = None,
     shortest: Shortest = None,
     keep_order: KeepOrder = False,
     from_stroke: Annotated[
@@ -147,7 +149,7 @@ def paint(
         "view": view,
         "tag": None if tag is None else metres(tag, "--tag"),
         "colours": colours,
-        "drawing": drawing_options(size, margin, rotate, hatch, hatch_hand, no_repeats, shortest, keep_order),
+        "drawing": drawing_options(size, margin, rotate, hatch, hatch_hand, no_repeats, join, shortest, keep_order),
         "pen": pen,
         "pause_at": tuple(pause_at) if pause_at else None,
         "refill_after": refill_after,

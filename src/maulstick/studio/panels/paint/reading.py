@@ -40,9 +40,12 @@ class ReadingForm:
             self._angle.props("hint='empty: 45, or as the hand leans'")
             self._hand = ui.select({}, label="Hatch with").props(SHORT_MENU)
             self._repeats = ui.switch("Leave out paths that are there twice")
+            self._join = ui.number("Join ends nearer than, mm", min=0).props(_AS_TYPED)
+            self._join.props("hint='the pen stays down from path to path; empty: none'")
             self._reading = ui.label("Reading it …").props('role="status"').classes("hint")
         self._reading.visible = False
-        for field in (self._size, self._margin, self._rotate, self._hatch, self._angle, self._hand, self._repeats):
+        hatching = (self._hatch, self._angle, self._hand)
+        for field in (self._size, self._margin, self._rotate, *hatching, self._repeats, self._join):
             field.on("update:model-value", touched, args=[])
             field.on("update:model-value", self._read, args=[])
         shown_by(self._hand, studio.styles.changed, self._offer_hands)
@@ -64,6 +67,7 @@ class ReadingForm:
             "margin": None if self._margin.value is None else 1e-3 * self._margin.value,
             "rotate": self._rotate.value,
             "no_repeats": bool(self._repeats.value),
+            "join": 1e-3 * (self._join.value or 0.0),
         }
         if hatch is not None:
             angle = self._angle.value
@@ -92,6 +96,7 @@ class ReadingForm:
         self._angle.value = None if options.hatch_angle is None else round(degrees(options.hatch_angle), _FINEST)
         self._offer_hands(options.hatch_hand or "")
         self._repeats.value = options.no_repeats
+        self._join.value = round(1e3 * options.join, _FINEST) or None
         self._fit()
 
     def _fit(self) -> None:
