@@ -144,11 +144,10 @@ def validation_fault(error: "ValidationError") -> str:
     ours = fault.get("ctx", {}).get("error")  # of a check of our own, which pydantic calls a value error
     if isinstance(ours, InputError):
         return f"{field}: {ours}"
-    if isinstance(ours, ValueError) and not fault["loc"]:  # about the whole, which is too long to be shown
-        return str(ours)
-    told = str(ours) if isinstance(ours, ValueError) else fault["msg"]
-    if fault["type"] == "json_invalid":  # what came is the whole file
-        return f"{field}: {told}"
+    is_ours = isinstance(ours, ValueError)
+    told = str(ours) if is_ours else fault["msg"]
+    if not fault["loc"]:  # about the whole, which is too long to be shown
+        return told if is_ours else f"{field}: {told}"
     came = repr(fault["input"])
     return f"{field}: {told} (got {came if len(came) <= 60 else came[:57] + '...'})"
 

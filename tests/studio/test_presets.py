@@ -62,6 +62,8 @@ def test_a_file_is_read_as_it_was_written_and_people_can_read_it_too(presets: Pr
     ("content", "fault"),
     [
         (b"", "Invalid JSON"),
+        (b"{nonsense", "Invalid JSON"),
+        (b"[1]", "the file: Input should be an object; choose"),
         (b"{}", "format: Field required"),
         (b'{"format": "vpype", "version": 1, "settings": {}}', "format: Input should be"),
         (b'{"format": "maulstick settings of a plan", "version": 2, "settings": {}}', "version: Input should be 1"),
@@ -79,6 +81,7 @@ def test_a_file_that_holds_none_is_refused_in_a_sentence(content: bytes, fault: 
     with pytest.raises(InputError, match=r"^cat\.json holds no settings of a plan: ") as refused:
         Preset.read(content, "cat.json")
     assert fault in str(refused.value)
+    assert "b'" not in str(refused.value), "no bytes as Python writes them"
     assert "\n" not in str(refused.value)
 
 
