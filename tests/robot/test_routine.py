@@ -195,6 +195,11 @@ def test_pressure_is_a_share_of_the_easels_depth_where_the_brush_knows_none() ->
     assert depths(nominal("marker"), EASEL.model_copy(update={"deepest": 0.002})) == pytest.approx([0, 0.002])
 
 
+def test_a_pen_of_unknown_depth_is_pressed_lightly_also_where_a_broad_brush_goes_deep() -> None:
+    assert depths(nominal("fineliner"), EASEL) == pytest.approx([0.0005, 0.0005])
+    assert depths(nominal("fineliner"), EASEL.model_copy(update={"deepest": 0.0004})) == pytest.approx([0.0002] * 2)
+
+
 def test_a_brush_held_at_a_pressure_is_held_at_its_depth() -> None:
     assert depths(ROUND.held_at(0.5)) == pytest.approx([0.004, 0.004])
 

@@ -18,6 +18,7 @@ from maulstick.robot.tray import Tray, Well
 from maulstick.storage.arrays import Floats
 
 _SAME = 1e-7  # metres, or pressure: points that differ by less in everything count as one
+_LIGHT = 5e-4  # metres below first touch: enough for an uneven sheet, and little enough for any pen
 _APART = 0.02  # metres between the places of a way over that are looked at; an arm's reach changes little within
 _STEADY = 0.02  # range of pressure of a brush that a machine that only lifts its pen may ignore
 
@@ -223,9 +224,12 @@ def _motion(stroke: Stroke, brush: Brush, easel: Easel, limits: Limits, speed: f
 
 
 def _depth(pressure: Floats, brush: Brush, easel: Easel) -> Floats:
-    """Return metres below first touch (n,) for pressures (n,), by the depths of the brush, else by the easel's."""
+    """Return metres below first touch (n,) for pressures (n,), by the depths of the brush, else by the easel's.
+
+    A pen of unknown depth is pressed lightly, since the easel may be one for broad brushes.
+    """
     if not brush.pressure_matters:
-        return np.full(pressure.shape, brush.depth[1] if any(brush.depth) else easel.deepest / 2)
+        return np.full(pressure.shape, brush.depth[1] if any(brush.depth) else min(easel.deepest / 2, _LIGHT))
     touch, deepest = brush.depth if any(brush.depth) else (0.0, easel.deepest)
     return np.asarray(touch + pressure * (deepest - touch))
 
