@@ -1,11 +1,11 @@
 import numpy as np
 import pytest
 import shapely
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from maulstick.drawing.lines import cut, lengths
-from maulstick.drawing.regions import hatched, region_of
+from maulstick.drawing.regions import hatched, region_of, rows_through
 from maulstick.errors import InputError
 from maulstick.storage.arrays import Floats
 
@@ -43,6 +43,34 @@ def test_what_is_cut_out_of_a_line_is_all_that_lies_in_the_region(
     assert lengths(pieces).sum() == pytest.approx(shapely.length(shapely.intersection(steps, region)).sum(), abs=1e-6)
     grown = shapely.buffer(region, 1e-6)
     assert all(shapely.covers(grown, shapely.MultiPoint(piece)) for piece in pieces)
+
+
+@settings(max_examples=60, deadline=None)
+@given(rings, st.sampled_from(["nonzero", "evenodd"]), st.floats(-4, 4), st.floats(0.3, 3))
+def test_rows_are_what_of_parallel_lines_lies_in_the_region(
+    corners: list[list[tuple[int, int]]], rule: str, angle: float, spacing: float
+) -> None:
+    region = region_of([np.array(ring, dtype=np.float64) for ring in corners], rule)
+    along, across = np.array([np.cos(angle), np.sin(angle)]), np.array([-np.sin(angle), np.cos(angle)])
+    corner_rows = np.concatenate([np.array(ring, dtype=np.float64) for ring in corners]) @ across / spacing - 0.5
+    assume(np.abs(corner_rows - np.round(corner_rows)).min() > 1e-6)  # a row along an edge is in the region or not
+    numbers = np.arange(-60 / spacing, 60 / spacing).round()
+    offsets = (spacing * (numbers + 0.5))[:, None, None] * across
+    lines = shapely.linestrings(np.array([[-60.0], [60.0]]) * along + offsets)
+    rows = rows_through(region, spacing, angle)
+    met = shapely.length(shapely.intersection(lines, shapely.buffer(region, 1e-9)))
+    assert lengths(rows).sum() == pytest.approx(met.sum(), abs=1e-3)
+    for row in rows:
+        assert shapely.covers(shapely.buffer(region, 1e-6), shapely.LineString(row))
+        assert np.abs((row @ across) / spacing - 0.5 - np.round((row @ across) / spacing - 0.5)).max() < 1e-9
+        assert (row[1] - row[0]) @ along > 0
+
+
+def test_the_edges_of_many_shapes_in_one_path_are_each_crossed_once() -> None:
+    squares = [np.array([(x, y), (x + 1, y), (x + 1, y + 1), (x, y + 1)], dtype=float) for x in (0, 2) for y in (0, 2)]
+    rows = rows_through(region_of(squares, "nonzero"), 0.5, 0.0)
+    assert [row.tolist() for row in rows[:2]] == [[[0, 0.25], [1, 0.25]], [[2, 0.25], [3, 0.25]]]
+    assert len(rows) == 8
 
 
 def test_nothing_fills_nothing() -> None:

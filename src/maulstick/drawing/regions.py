@@ -6,13 +6,13 @@ import numpy as np
 import shapely
 from shapely.geometry.base import BaseGeometry
 
-from maulstick.drawing.lines import cut
 from maulstick.errors import InputError
 from maulstick.storage.arrays import Bools, Floats, Ints
 
 _CHUNK = 2**22  # pairs of face and edge that are looked at together: 100 MB
 _MOST_LINES = 100_000  # that hatch one shape: 5 m of the narrowest
 _SHORTEST = 1e-5  # metres: a shorter line of a hatch is a speck
+_SAME = 1e-9  # metres: parts of a region that are nearer to each other touch
 
 
 def region_of(rings: Sequence[Floats], rule: str) -> BaseGeometry:
@@ -49,11 +49,32 @@ def rows_through(region: BaseGeometry, spacing: float, angle: float) -> list[Flo
     least, most = (corners @ across).min() / spacing, (corners @ across).max() / spacing
     if most - least > _MOST_LINES:
         raise InputError(f"its hatching takes over {_MOST_LINES} lines in one shape; hatch wider")
-    begin, end = (corners @ along).min() - spacing, (corners @ along).max() + spacing
-    offsets = spacing * (np.arange(np.ceil(least - 0.5), np.floor(most - 0.5) + 1) + 0.5)
-    lines = [np.stack([begin * along, end * along]) + offset * across for offset in offsets]
-    rows = [piece[[0, -1]] for pieces in cut(lines, region) for piece in pieces]
-    return [row for row in rows if np.hypot(*(row[1] - row[0])) >= _SHORTEST]
+    points, ring = shapely.get_coordinates(shapely.get_rings(shapely.get_parts(region)), return_index=True)
+    goes_on = ring[1:] == ring[:-1]
+    place, row = points @ along, points @ across / spacing - 0.5  # in row n is what is n + 1/2 spacings from the origin
+    numbers, places = _crossings(
+        *(each[:-1][goes_on] for each in (place, row)), *(each[1:][goes_on] for each in (place, row))
+    )
+    begins, ends = places.reshape(-1, 2).T
+    apart = np.append(True, (np.diff(numbers[::2]) > 0) | (begins[1:] - ends[:-1] > _SAME))
+    begins, ends, numbers = begins[apart], ends[np.append(apart[1:], True)], numbers[::2][apart]
+    rows = np.stack([begins, ends], axis=1)[..., None] * along + (spacing * (numbers + 0.5))[:, None, None] * across
+    return list(rows[ends - begins >= _SHORTEST])
+
+
+def _crossings(places: Floats, rows: Floats, next_places: Floats, next_rows: Floats) -> tuple[Ints, Floats]:
+    """Return where edges of rings cross rows, in order: the numbers (k,) of the rows, and the places (k,) along them.
+
+    places, rows: (E,), of the beginning of each edge; next_places, next_rows: of its end, which itself is not crossed.
+    """
+    first = np.ceil(np.minimum(rows, next_rows)).astype(np.int64)
+    counts = np.ceil(np.maximum(rows, next_rows)).astype(np.int64) - first
+    edge = np.repeat(np.arange(len(counts)), counts)
+    number = first[edge] + np.arange(len(edge)) - np.repeat(np.cumsum(counts) - counts, counts)
+    share = (number - rows[edge]) / (next_rows - rows)[edge]
+    place = places[edge] + share * (next_places - places)[edge]
+    order = np.lexsort([place, number])
+    return number[order], place[order]
 
 
 def _closed(ring: Floats) -> Floats:
