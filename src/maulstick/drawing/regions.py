@@ -85,14 +85,18 @@ def _winding(places: Floats, rings: Sequence[Floats]) -> Ints:
     """Return how often closed polylines go around each place (n, 2), counted against the clock in a y-up frame."""
     starts = np.concatenate([ring[:-1] for ring in rings])
     ends = np.concatenate([ring[1:] for ring in rings])
+    edges = shapely.STRtree(shapely.linestrings(np.stack([starts, ends], axis=1)))
+    right = np.column_stack([np.full(len(places), ends[:, 0].max()), places[:, 1]])
+    rays = shapely.linestrings(np.stack([places, right], axis=1))
     winding = np.zeros(len(places), dtype=np.int64)
     rows = max(1, _CHUNK // len(starts))
     for begin in range(0, len(places), rows):
-        x, y = (side[:, None] for side in places[begin : begin + rows].T)
-        side = (ends[:, 0] - starts[:, 0]) * (y - starts[:, 1]) - (x - starts[:, 0]) * (ends[:, 1] - starts[:, 1])
-        up = (starts[:, 1] <= y) & (ends[:, 1] > y) & (side > 0)
-        down = (starts[:, 1] > y) & (ends[:, 1] <= y) & (side < 0)
-        winding[begin : begin + rows] = up.sum(axis=1) - down.sum(axis=1)
+        place, edge = edges.query(rays[begin : begin + rows])  # those whose bounds a ray to the right meets
+        (x, y), start, end = places[begin + place].T, starts[edge], ends[edge]
+        side = (end[:, 0] - start[:, 0]) * (y - start[:, 1]) - (x - start[:, 0]) * (end[:, 1] - start[:, 1])
+        up = (start[:, 1] <= y) & (end[:, 1] > y) & (side > 0)
+        down = (start[:, 1] > y) & (end[:, 1] <= y) & (side < 0)
+        np.add.at(winding, begin + place, up.astype(np.int64) - down)
     return winding
 
 
