@@ -86,11 +86,15 @@ def cut(lines: Sequence[Floats], region: BaseGeometry) -> list[list[Floats]]:
     """
     shapely.prepare(region)
     pieces: list[list[Floats]] = []
+    parts = shapely.get_parts(region)
+    tree = shapely.STRtree(parts) if region.geom_type == "MultiPolygon" else None
     for line, inside in zip(lines, _inside(lines, region), strict=True):
         if inside is not None:
             pieces.append([line] if inside else [])
-        else:
+        elif tree is None:
             pieces.append(_pieces(line, region))
+        else:  # of many parts few are near
+            pieces.append(_pieces(line, shapely.multipolygons(parts[tree.query(shapely.LineString(line))])))
     return pieces
 
 
