@@ -28,7 +28,7 @@ def bounds_of(chains: Sequence[Floats]) -> Floats:
     a, b, c = s - p + 3 * (q - r), 2 * (p - 2 * q + r), q - p  # of the slope, a t² + b t + c
     root = np.sqrt(np.maximum(b * b - 4 * a * c, 0))
     half = -0.5 * (b + np.where(b < 0, -root, root))
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         turns = [np.nan_to_num(t, nan=0, posinf=0, neginf=0).clip(0, 1) for t in (half / a, c / half)]
     points = np.stack([p, s, *(_at(t, p, q, r, s) for t in turns)])
     return np.stack([points.min(axis=(0, 1)), points.max(axis=(0, 1))])
