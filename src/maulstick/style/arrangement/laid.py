@@ -120,6 +120,11 @@ def _beside(centres: Tensor) -> Tensor:
     return torch.from_numpy(np.ascontiguousarray(nearest[:, 1:]))
 
 
+def distance(log_distance: Tensor) -> Tensor:
+    """Return the distance, median lengths, whose logarithm `describe` gave: that one never falls below `_LEAST`."""
+    return ((2 * log_distance).exp() - _LEAST**2).clamp(min=0).sqrt()
+
+
 def _log_distance(offsets: Tensor) -> Tensor:
     return (offsets.square().sum(dim=-1) + _LEAST**2).log() / 2
 
