@@ -137,6 +137,19 @@ def test_strokes_that_were_cut_short_and_a_threshold_that_was_proposed_are_told(
     assert len(drawing.ink) == len(STROKES) + 1
 
 
+def test_no_stroke_goes_on_over_frames_that_never_came() -> None:
+    take = simulate(STROKES, 1).take
+    touches = drawing_of(take, TIP).contact.touches
+    (start, stop), (next_start, next_stop) = touches[:2]
+    came = np.ones(len(take), dtype=bool)
+    came[(start + stop) // 2 : (next_start + next_stop) // 2] = False
+    drawing = drawing_of(Take(*(values[came] for values in vars(take).values())), TIP)
+    assert len(drawing.ink) == len(touches)
+    assert max(np.hypot(*np.diff(stroke[:, 1:3], axis=0).T).max() for stroke in drawing.ink.strokes()) < 5e-3
+    assert drawing.summary[0].startswith(f"{came.sum()} frames in ")
+    assert "2 strokes cut short where the pen was lost" in drawing.summary
+
+
 def test_a_stroke_that_the_take_ends_in_is_not_said_to_be_cut_by_a_pen_that_was_lost() -> None:
     take = simulate(STROKES, 1).take
     start = np.flatnonzero(way_of(STROKES, 1)[:, 2] == 0)[0]

@@ -61,6 +61,18 @@ def test_a_file_with_a_fault_is_no_take(take: Take, tmp_path: Path, name: str, v
     assert str(caught.value).startswith(f"{path} is not a file of take: {text}")
 
 
+def test_a_long_pause_between_frames_becomes_one_that_shows_nothing(take: Take) -> None:
+    frames = len(take)
+    late = replace(take, times=take.times + np.where(np.arange(frames) < 2, 0.0, 1.0))
+    whole = late.interrupted(0.5)
+    assert len(whole) == frames + 1
+    assert late.times[1] < whole.times[2] < late.times[2]
+    assert all(np.isnan(values[2]).all() for name, values in vars(whole).items() if name != "times")
+    for name, values in vars(late).items():
+        assert np.array_equal(np.delete(getattr(whole, name), 2, axis=0), values, equal_nan=True)
+    assert len(take.interrupted(0.5)) == frames
+
+
 def test_a_take_has_a_frame_at_least(take: Take) -> None:
     with pytest.raises(InputError, match=RISE):
         Take(*(values[:0] for values in vars(take).values()))

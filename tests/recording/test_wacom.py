@@ -65,6 +65,12 @@ def test_a_pressure_in_other_steps_is_divided_by_its_largest() -> None:
     assert page.strokes[0][:, 3] == pytest.approx(np.linspace(0, 1, 9), abs=1e-4)
 
 
+def test_of_two_strokes_pressed_beyond_1_the_lighter_one_stays_the_lighter() -> None:
+    strokes = [a_stroke(pressure=most) for most in (800.0, 400.0, 0.8)]
+    page = read_uim(uim(strokes, pressure_metric=InkSensorMetricType.FORCE))
+    assert [stroke[-1, 3] for stroke in page.strokes] == pytest.approx([1, 0.5, 0.001], abs=1e-4)
+
+
 def test_without_sensors_the_splines_are_sampled_in_an_unknown_unit() -> None:
     (came,) = read_uim(uim([a_stroke()], sensors=False)).strokes
     page = read_uim(uim([a_stroke()], sensors=False))

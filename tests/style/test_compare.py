@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 from scipy.spatial.distance import cdist
 from scipy.stats import ks_2samp
 
-from maulstick.strokes.strokes import path_lengths, place
+from maulstick.strokes.strokes import path_lengths, place, standardise
 from maulstick.style import compare
 from maulstick.style.compare import (
     CURVINESS,
@@ -213,3 +213,17 @@ def test_strokes_that_are_as_long_and_as_bent_are_told_of_as_such() -> None:
     same = Comparison.of(drawn(circle, 40, seed=1), drawn(circle, 40, seed=2), np.random.default_rng(0))
     assert same.told == "are as long, as bent and as rough"
     assert abs(same.distance) < 1
+
+
+@pytest.mark.parametrize("kind", [np.float64, np.float32])
+def test_ruled_lines_of_two_lengths_differ_in_length_alone(kind: type) -> None:
+    rng = np.random.default_rng(0)
+
+    def ruled(shortest: float) -> np.ndarray:
+        ends = rng.uniform(shortest, 2 * shortest, 40)[:, None] * np.exp(1j * rng.uniform(0, 2 * np.pi, (40, 1)))
+        along = (0.1 + 0.1j) + ends * np.linspace(0, 1, 32)
+        return standardise(np.stack([along.real, along.imag], axis=-1))[0].astype(kind).astype(np.float64)
+
+    told = Comparison.of(ruled(0.01), ruled(0.02), rng).told
+    assert told.endswith(" times as long")
+    assert "bend" not in told

@@ -237,6 +237,32 @@ def test_two_that_write_one_style_at_the_same_moment_leave_the_files_of_one(
     assert len(store.read_style(path).hand) == 8
 
 
+def test_of_two_that_take_one_name_at_the_same_moment_only_one_gets_it(
+    own: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    refused = []
+
+    def write_the_other() -> None:
+        with pytest.raises(OutputError) as caught:
+            store.write_style(replace(an_exemplar(), hand=a_hand(8)), "the other", own, overwrite=False)
+        refused.append(str(caught.value))
+
+    also = Thread(target=write_the_other)
+    replaced = Path.replace
+
+    def slowly(path: Path, target: Path) -> Path:
+        if target.name == "arcs.safetensors" and not also.ident:
+            also.start()
+            also.join(timeout=0.5)  # longer than it takes where nothing holds it up
+        return replaced(path, target)
+
+    monkeypatch.setattr(Path, "replace", slowly)
+    path = store.write_style(an_exemplar(), "the one", own, overwrite=False)
+    also.join()
+    assert refused == ["there is a style arcs already; choose another name, or add overwrite"]
+    assert store.read_card(path).source == "the one"
+
+
 def test_a_full_disk_loses_nothing(style: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def full(_: int) -> None:
         raise OSError(28, "No space left on device")

@@ -59,11 +59,16 @@ class Library:
         path = self.paths().get(self.check_name(name))
         if path is not None and self.is_built_in(path):
             raise InputError(f"the {self.what} {name} comes with Maulstick; choose another {option('name')}")
-        if os.path.lexists(self.own() / f"{name}.json") and not overwrite:
+        if not overwrite:
+            self.check_unused(name, self.own())
+        return name
+
+    def check_unused(self, name: str, folder: Path) -> None:
+        """Raise OutputError where something in the folder has this name."""
+        if os.path.lexists(folder / f"{name}.json"):
             raise OutputError(
                 f"there is a {self.what} {name} already; choose another {option('name')}, or add {option('overwrite')}"
             )
-        return name
 
 
 def placed(name: str, folder: Path) -> str:

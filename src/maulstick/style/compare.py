@@ -14,6 +14,8 @@ CURVINESS = (2, 12, 13)
 
 _BINS, _POINTS = 6, 5  # parts of a stroke whose turning is described, and points between its ends
 _LEAST = 1e-9  # keeps 0 out of logarithms and denominators
+_SMOOTHEST = 1e-7  # roughness of a straight stroke: less of it is the rounding of a style's file
+_ROUNDING = 1e-6  # spread of a number that never varies but for that rounding
 _STRAIGHT = 1e-2  # radians per point: less turning than that has no sign
 _HALVINGS = 20  # random halvings that are averaged, so that the result hardly depends on the seed
 _MOST = 2000  # strokes of a hand that are compared: distances between them take time and memory by the square
@@ -54,7 +56,7 @@ class Comparison:
         described = [describe(_some(paths, rng)) for paths in (first, second)]
         together = np.concatenate(described)
         spread = together.std(axis=0)
-        a, b = ((each - together.mean(axis=0)) / np.where(spread > 0, spread, 1) for each in described)
+        a, b = ((each - together.mean(axis=0)) / np.where(spread > _ROUNDING, spread, 1) for each in described)
         accuracy = nearest_neighbour_accuracy(a, b, rng)
         ratio = float(np.exp(described[1][:, _LENGTH].mean() - described[0][:, _LENGTH].mean()))
         return cls(
@@ -92,7 +94,7 @@ def describe(paths: Floats) -> Floats:
             turns.sum(axis=1, keepdims=True),
             np.ptp(shapes, axis=1),
             parts,
-            np.log(roughness.clip(min=_LEAST)),
+            np.log(roughness.clip(min=_SMOOTHEST)),
             inflections,
             shapes[:, at].reshape(len(paths), 2 * _POINTS),
         ],

@@ -45,12 +45,13 @@ Fitted = Exemplar | TrajVAE
 """Styles that are learned from a hand."""
 
 
-def write_style(style: Fitted, source: str, folder: Path) -> Path:
+def write_style(style: Fitted, source: str, folder: Path, overwrite: bool = True) -> Path:
     """Write a style into a folder, which is made where missing, and return the path of its JSON.
 
-    source: what the style was learned from, for people.  Title and earlier names stay those of the style that it
-    replaces.  Raises OutputError where writing fails, and InputError where another process goes on writing into the
-    folder. A JSON is never left beside arrays that do not belong to it.
+    source: what the style was learned from, for people.  overwrite: replace a style of that name, whose title and
+    earlier names stay.  Raises OutputError where there is one that is not to be replaced, or writing fails, and
+    InputError where another process goes on writing into the folder. A JSON is never left beside arrays that do not
+    belong to it.
     """
     name = STYLES.check_name(style.name)
     arrays = {field: getattr(style.hand, field).astype(np.float32) for field in _HAND}
@@ -69,6 +70,8 @@ def write_style(style: Fitted, source: str, folder: Path) -> Path:
     try:
         folder.mkdir(parents=True, exist_ok=True)
         with writing_into(folder), TemporaryDirectory(dir=folder, prefix=".maulstick-") as staging:
+            if not overwrite:  # asked while nobody else writes, or two that learn one name would both keep it
+                STYLES.check_unused(name, folder)
             _replace(path, card, content, Path(staging))
     except OutputError:
         raise

@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from torch import Tensor
 
 from maulstick.storage.arrays import Floats
-from maulstick.style.arrangement.laid import Laid, describe, plain_describe
+from maulstick.style.arrangement.laid import NEAREST, Laid, describe, plain_describe
 from tests.support.drawn import scattered
 
 
@@ -40,6 +40,24 @@ def test_strokes_on_top_of_each_other_have_the_slopes_of_the_plain_twin() -> Non
     for ours, theirs in zip(native, plain, strict=True):
         assert ours.isfinite().all()
         assert ours.numpy() == pytest.approx(theirs.numpy(), rel=1e-9, abs=1e-9)
+
+
+def test_a_stroke_is_never_near_itself_where_others_have_its_centre() -> None:
+    along = torch.linspace(-0.005, 0.005, 32, dtype=torch.float64)
+    level, upright = torch.stack([along, 0 * along], dim=1), torch.stack([0 * along, along], dim=1)
+    places = torch.cartesian_prod(*2 * [torch.arange(5, dtype=torch.float64)])
+    crosses = torch.stack([place + line for place in places for line in (level, upright)])
+    centres = places.repeat_interleave(2, dim=0)
+    numbers = describe(Laid.of(crosses, centres, crosses.new_zeros(len(crosses))), 0.01)
+    assert numbers[:, NEAREST].numpy() == pytest.approx(-1), "how parallel the nearest is: the other of its cross"
+
+
+def test_strokes_of_one_centre_have_each_other_near() -> None:
+    lengths = torch.linspace(0.01, 0.02, 12, dtype=torch.float64)
+    along = torch.linspace(-0.5, 0.5, 32, dtype=torch.float64)
+    rulers = torch.stack([lengths[:, None] * along, 0 * lengths[:, None] * along], dim=-1)
+    numbers = describe(Laid.of(rulers, rulers.new_zeros(12, 2), rulers.new_zeros(12)), 0.01)
+    assert (numbers[:, 4 * NEAREST : 5 * NEAREST] > 0).all(), "how much longer or shorter the near ones are"
 
 
 def test_slopes_of_numbers_are_their_differences() -> None:

@@ -34,6 +34,16 @@ def test_the_spacing_of_fine_hatching_is_not_told_as_none() -> None:
     assert ", 0.04 mm apart" in words(0.008 * strokes(0.0, lengths=np.full(40, 0.2)))
 
 
+@pytest.mark.parametrize(("apart", "said"), [(0.002, "2.0 mm"), (0.0005, "0.5 mm"), (0.0001, "0.1 mm")])
+def test_the_spacing_of_long_strokes_is_told_as_it_is(apart: float, said: str) -> None:
+    scale = apart / 0.005
+    assert f", {said} apart" in words(scale * strokes(0.0, lengths=np.full(40, 0.15 / scale)))
+
+
+def test_strokes_that_lie_on_one_another_are_not_apart() -> None:
+    assert ", 0 mm apart" in words(strokes(0.0)[:1].repeat(30, axis=0))
+
+
 def test_a_grid_goes_all_ways_and_crosses_often() -> None:
     grid = np.concatenate(
         [strokes(0.0, 20, np.full(20, 0.1)), np.array([0.1, 0.0]) + strokes(np.pi / 2, 20, np.full(20, 0.1))]

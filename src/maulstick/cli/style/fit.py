@@ -58,8 +58,7 @@ def fit(
     with made_folder(STYLES.own(), MAKE_ROOM):
         with Console(stderr=True).status("learning …"):
             style = learn_style(name, strokes, kind)
-        STYLES.check_own_name(name, overwrite)  # another process may have taken it meanwhile
-        path = write_style(style, ", ".join(file.name for file in files), STYLES.own())
+        path = write_style(style, ", ".join(file.name for file in files), STYLES.own(), overwrite)
     hand = style.hand
     rows = {
         "strokes": f"{len(hand)}{_left_out(len(strokes) - len(hand))}",

@@ -37,9 +37,10 @@ def _library() -> Iterator[None]:
 def read_uim(content: bytes) -> Page:
     """Read the page of a UIM document.
 
-    It has the sensor data, in seconds and metres, where every stroke has some; a pressure beyond 1 is divided by its
-    channel's maximum. Otherwise it has the strokes' splines, sampled as in `curves.polylines`, in an unknown unit and
-    without times and pressure. Strokes that share their sensor data, as after an eraser cut them, count as having none.
+    It has the sensor data, in seconds and metres, where every stroke has some; pressures of a channel that has one
+    beyond 1 are divided by its maximum. Otherwise it has the strokes' splines, sampled as in `curves.polylines`, in an
+    unknown unit and without times and pressure. Strokes that share their sensor data, as after an eraser cut them,
+    count as having none.
     Raises InputError, or the library's own error, where the document cannot be read.
     """
     with _library():
@@ -54,13 +55,16 @@ def read_uim(content: bytes) -> Page:
         else:
             records = [record for record in model.sensor_data if record.state is None or record.state.name == "PLANE"]
         seen = [_sensed(model, record) for record in records]
-        if seen and all(stroke is not None for stroke in seen):
-            return Page([stroke for stroke in seen if stroke is not None], 1.0, None, "UIM")
+        if seen and all(each is not None for each in seen):
+            return Page(_of_full_pressure([each for each in seen if each is not None]), 1.0, None, "UIM")
         return _splines([_points(stroke.splines_x, stroke.splines_y) for stroke in strokes], "UIM")
 
 
-def _sensed(model: Any, record: Any) -> Floats | None:
-    """Return a stroke (m, 4) of sensor data, or None where its place is not in metres."""
+def _sensed(model: Any, record: Any) -> tuple[Floats, Any] | None:
+    """Return a stroke (m, 4) of sensor data, its pressure in the channel's unit, and that channel, if it has one.
+
+    None where its place is not in metres.
+    """
     inputs = model.input_configuration
     context = inputs.get_sensor_context(inputs.get_input_context(record.input_context_id).sensor_context_id)
     channels = {channel.type.name: channel for part in context.sensor_channels_contexts for channel in part.channels}
@@ -77,11 +81,19 @@ def _sensed(model: Any, record: Any) -> Floats | None:
         # The first time of a record is in milliseconds, but the library reads it in the channel's unit.
         steps = channels["TIMESTAMP"].resolution * 10.0 ** channels["TIMESTAMP"].precision
         stroke[:, 0] += stroke[0, 0] * (steps * 1e-3 - 1)
-    pressure = stroke[:, 3]
-    if not np.isnan(pressure).any():
-        largest = max(1.0, float(pressure.max()))
-        stroke[:, 3] = np.clip(pressure / (largest if largest == 1 else max(channels["PRESSURE"].max, largest)), 0, 1)
-    return stroke
+    return stroke, channels.get("PRESSURE")
+
+
+def _of_full_pressure(seen: list[tuple[Floats, Any]]) -> list[Floats]:
+    """Return the strokes with their pressure as a share of the full one of its channel."""
+    largest: dict[Any, float] = {}
+    for stroke, channel in seen:
+        if channel is not None and not np.isnan(stroke[:, 3]).any():
+            largest[channel.id] = max(largest.get(channel.id, 1.0), float(stroke[:, 3].max()))
+    for stroke, channel in seen:
+        if channel is not None and (most := largest.get(channel.id)) is not None:
+            stroke[:, 3] = np.clip(stroke[:, 3] / (most if most == 1 else max(channel.max, most)), 0, 1)
+    return [stroke for stroke, _ in seen]
 
 
 def read_will(content: bytes) -> Page:

@@ -23,7 +23,8 @@ class TakeInk:
     """Ink of a take, and what it was derived from.
 
     ink: the strokes, without pressure.
-    times: (F,), seconds since the take began.  heights: (F,), of the tip over the paper, metres; NaN where not known.
+    times: (F,), seconds since the take began, as in `Take.interrupted`.
+    heights: (F,), of the tip over the paper, metres; NaN where not known.
     contact: the touches.  beside: touches beside the sheet, which are not in the ink.
     summary: sentences for people, one per line.
     """
@@ -47,15 +48,16 @@ def drawing_of(
     Raises InputError where the pen or the canvas cannot be followed, or the tip is never at the paper or never draws.
     """
     options = options or ContactOptions()
-    canvas = canvas_path(take, corner)
-    path = tip_path(take, tip, canvas)
-    paper = find_paper(take.times, path.places, path.heights, canvas.size)
+    whole = take.interrupted(GAP)  # or a stroke would go straight on over frames that a network lost
+    canvas = canvas_path(whole, corner)
+    path = tip_path(whole, tip, canvas)
+    paper = find_paper(whole.times, path.places, path.heights, canvas.size)
     heights = paper.heights_over(path.places, path.heights)
-    contact = find_contact(take.times, heights, options)
+    contact = find_contact(whole.times, heights, options)
     outside = np.maximum(-path.places, path.places - canvas.size).max(axis=1)  # metres; negative on the sheet
     nearest = np.array([outside[start:stop].min() for start, stop in contact.touches])
     drawn = nearest <= _BESIDE
-    times = take.times - take.times[0]
+    times = whole.times - whole.times[0]
     samples = np.column_stack([times, path.places, np.full(len(times), np.nan)])
     strokes = [samples[start:stop] for start, stop in contact.touches[drawn]]
     if not strokes:

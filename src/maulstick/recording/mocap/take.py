@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, fields
 from pathlib import Path
+from typing import Self
 
 import numpy as np
 
@@ -45,6 +46,13 @@ class Take:
 
     def __len__(self) -> int:
         return len(self.times)
+
+    def interrupted(self, gap: float) -> Self:
+        """Return the take with a frame that shows nothing in each pause longer than `gap`, seconds, between frames."""
+        after = np.flatnonzero(np.diff(self.times) > gap) + 1
+        middles = (self.times[after - 1] + self.times[after]) / 2
+        seen = (np.insert(values, after, np.nan, axis=0) for name, values in vars(self).items() if name != "times")
+        return type(self)(np.insert(self.times, after, middles), *seen)
 
 
 def is_unit(quaternions: Floats) -> Bools:

@@ -117,7 +117,14 @@ def _beside(centres: Tensor) -> Tensor:
     """Return the strokes with the nearest centres, the nearest first, (N, 4), by centres (N, 2)."""
     places = centres.detach().numpy()
     nearest = np.asarray(cKDTree(places).query(places, NEAREST + 1)[1], dtype=np.int64)
-    return torch.from_numpy(np.ascontiguousarray(nearest[:, 1:]))
+    itself = nearest == np.arange(len(places))[:, None]
+    itself[:, -1] |= ~itself.any(axis=1)  # where so many have the same centre that the stroke is not even among them
+    return torch.from_numpy(nearest[~itself].reshape(-1, NEAREST))
+
+
+def distance(log_distance: Tensor) -> Tensor:
+    """Return the distance, median lengths, whose logarithm `describe` gave: that one never falls below `_LEAST`."""
+    return ((2 * log_distance).exp() - _LEAST**2).clamp(min=0).sqrt()
 
 
 def _log_distance(offsets: Tensor) -> Tensor:

@@ -5,7 +5,7 @@ import shapely
 
 from maulstick.strokes.strokes import path_lengths
 from maulstick.style.arrangement.arrangement import LARGEST_GROUP, Arrangement
-from maulstick.style.arrangement.laid import NEAREST
+from maulstick.style.arrangement.laid import NEAREST, distance
 from maulstick.style.arrangement.neighbourhoods import MEAN_GAP
 
 _PARALLEL, _LOOSE = 0.6, 0.2  # mean of cos 2Δθ of strokes side by side, times their straightness; 0: any direction
@@ -27,13 +27,13 @@ def told(arrangement: Arrangement, recordings: int = 1) -> str:
     way = "parallel" if parallel >= _PARALLEL else "roughly parallel" if parallel >= _LOOSE else "in all directions"
     more = " or more" if size >= LARGEST_GROUP else ""
     company = f"groups of {size:.0f}{more}" if size > 1 else "single strokes"
-    apart = 1e3 * near.unit * float(near.numbers[:, MEAN_GAP].median().exp())
+    apart = 1e3 * near.unit * float(distance(near.numbers[:, MEAN_GAP].median()))
     parts = [f"{company}, {way}{_leaning(arrangement)}, {_millimetres(apart)} apart", _crossing(arrangement)]
     return "; ".join([*parts, *_joints(arrangement), *(_order(arrangement) if recordings == 1 else [])])
 
 
 def _millimetres(apart: float) -> str:
-    return f"{apart:.1f} mm" if apart >= 0.1 else f"{apart:.1g} mm"
+    return f"{apart:.1f} mm" if apart >= 0.1 else f"{round(apart, 3):.1g} mm"
 
 
 def _leaning(arrangement: Arrangement) -> str:
