@@ -6,6 +6,7 @@ import pytest
 from scipy import ndimage
 
 from maulstick.brush_fit import fit as module
+from maulstick.brush_fit import selection
 from maulstick.brush_fit.fit import Fit, fit_brush
 from maulstick.brush_fit.selection import bend
 from maulstick.brush_fit.trials import Trial, Trials
@@ -192,6 +193,17 @@ def test_what_strokes_of_one_pressure_that_never_cross_leave_open_is_said(flat: 
         "no stroke crosses an older one, so a translucent ink cannot be told from a paler one: opacity is 1",
     ):
         assert any(warning.startswith(start) for warning in flat.warnings), start
+
+
+def test_strokes_that_all_go_along_one_axis_tell_nothing_of_the_other_scale(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "STEPS", 20)
+    monkeypatch.setattr(selection, "STEPS", 20)
+    level = [replace(trial, path=trial.path * [1, 0, 1] + [0, 0.014, 0]) for trial in draw_darkness(MARKER, 6, 1)]
+    found = fitted(level)
+    assert found.brush.m_y == 1
+    assert "m_x" in found.errors
+    assert "m_y" not in found.errors
+    assert "no stroke goes along y: m_y is not known and stays 1; draw some that do" in found.warnings
 
 
 def test_strokes_of_one_pressure_tell_one_width(flat: Fit) -> None:
