@@ -7,6 +7,7 @@ from scipy import ndimage
 
 from maulstick.brush_fit import fit as module
 from maulstick.brush_fit import selection
+from maulstick.brush_fit.evidence import read_evidence
 from maulstick.brush_fit.fit import Fit, fit_brush
 from maulstick.brush_fit.selection import bend
 from maulstick.brush_fit.trials import Trial, Trials
@@ -227,6 +228,15 @@ def test_fewer_than_five_strokes_are_refused_with_what_is_wrong_with_the_others(
         fitted(trials)
     with pytest.raises(InputError, match=r"^0 of 0 trials can be used, and 5 are needed: draw more$"):
         fitted([])
+
+
+def test_strokes_are_used_where_none_of_those_that_are_looked_at_first_can_be() -> None:
+    trials = draw_darkness(MARKER, 24, 1)
+    looked_at_first = np.linspace(0, 23, 12).astype(int).tolist()
+    for number in looked_at_first:
+        trials[number] = replace(trials[number], after=trials[number].before)
+    evidence, left_out = read_evidence(trials, SCALE, lambda stage, done, total: None)
+    assert (len(evidence), len(left_out)) == (12, 12)
 
 
 @pytest.mark.parametrize("dark_first", [True, False])
