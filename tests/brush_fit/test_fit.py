@@ -6,6 +6,8 @@ import pytest
 from scipy import ndimage
 
 from maulstick.brush_fit import fit as module
+from maulstick.brush_fit import selection
+from maulstick.brush_fit.evidence import read_evidence
 from maulstick.brush_fit.fit import Fit, fit_brush
 from maulstick.brush_fit.selection import bend
 from maulstick.brush_fit.trials import Trial, Trials
@@ -194,6 +196,17 @@ def test_what_strokes_of_one_pressure_that_never_cross_leave_open_is_said(flat: 
         assert any(warning.startswith(start) for warning in flat.warnings), start
 
 
+def test_strokes_that_all_go_along_one_axis_tell_nothing_of_the_other_scale(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "STEPS", 20)
+    monkeypatch.setattr(selection, "STEPS", 20)
+    level = [replace(trial, path=trial.path * [1, 0, 1] + [0, 0.014, 0]) for trial in draw_darkness(MARKER, 6, 1)]
+    found = fitted(level)
+    assert found.brush.m_y == 1
+    assert "m_x" in found.errors
+    assert "m_y" not in found.errors
+    assert "no stroke goes along y: m_y is not known and stays 1; draw some that do" in found.warnings
+
+
 def test_strokes_of_one_pressure_tell_one_width(flat: Fit) -> None:
     assert flat.brush.alpha == 0
     assert flat.brush.beta == pytest.approx(MARKER.half_width(np.array(0.5)), rel=CLEAN_WIDTH)
@@ -215,6 +228,15 @@ def test_fewer_than_five_strokes_are_refused_with_what_is_wrong_with_the_others(
         fitted(trials)
     with pytest.raises(InputError, match=r"^0 of 0 trials can be used, and 5 are needed: draw more$"):
         fitted([])
+
+
+def test_strokes_are_used_where_none_of_those_that_are_looked_at_first_can_be() -> None:
+    trials = draw_darkness(MARKER, 24, 1)
+    looked_at_first = np.linspace(0, 23, 12).astype(int).tolist()
+    for number in looked_at_first:
+        trials[number] = replace(trials[number], after=trials[number].before)
+    evidence, left_out = read_evidence(trials, SCALE, lambda stage, done, total: None)
+    assert (len(evidence), len(left_out)) == (12, 12)
 
 
 @pytest.mark.parametrize("dark_first", [True, False])

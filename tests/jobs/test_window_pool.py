@@ -4,6 +4,7 @@ import os
 import signal
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 import torch
@@ -106,6 +107,26 @@ def test_a_process_that_dies_is_told_with_its_window_and_leaves_what_to_go_on_fr
         processes = processes_of(pool)
     assert have_ended(processes)
     assert same(plan_strip(resume=states[-1]), by_tones)
+
+
+DIES_WHILE_TELLING = """
+import os, signal, struct, sys
+from multiprocessing.connection import Connection
+
+(connection := Connection(int(sys.argv[1]))).recv_bytes()
+os.write(connection.fileno(), struct.pack("!i", 1000) + b"the beginning of a message")
+os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+def test_a_process_that_dies_in_the_middle_of_telling_is_told_as_well(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "dies_while_telling.py").write_text(DIES_WHILE_TELLING)
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    monkeypatch.setattr(window_pool, "_WORKER", "dies_while_telling")
+    with WindowPool(2) as pool, pytest.raises(OutputError, match="of the mural is not planned: its process was ended"):
+        plan_strip(pool)
 
 
 KILLED_IN_THE_MIDDLE = """

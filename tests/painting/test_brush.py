@@ -200,6 +200,7 @@ def test_an_unknown_brush_is_refused_with_the_brushes_there_are(own: Path) -> No
         ({"hairs": 7}, "hairs: Extra inputs are not permitted (got 7)"),
         ({"name": ""}, "name: String should have at least 1 character (got '')"),
         ({"depth": [0, "deep"]}, "depth[1]: Input should be a valid number"),
+        ({"source": "\x1b[31m"}, "source: a name must be made of printable characters"),
     ],
 )
 def test_a_bad_brush_file_is_refused_by_file_and_field(tmp_path: Path, change: dict[str, object], text: str) -> None:

@@ -55,6 +55,14 @@ def test_a_part_has_its_pixels_and_ends_where_the_sheet_does(portrait: Picture, 
     assert found.height + 0.07 <= size[1] + 1e-12
 
 
+def test_a_part_has_its_pixels_where_the_sheet_ends_in_the_middle_of_one(portrait: Picture) -> None:
+    for height_px in range(2049, 2099, 2):
+        mural = Mural(portrait, Sheet(width=0.3, height=0.2), Canvas(0.3, 0.2, height_px / 0.2))
+        right = mural.canvas.width_px
+        for left in (2000, 2001):
+            assert mural.part((left, 0, right, height_px)).width_px == right - left
+
+
 def test_an_overview_is_the_whole_sheet_and_never_finer_than_the_mural(portrait: Picture) -> None:
     mural = Mural(portrait, Sheet(width=0.2, height=0.15), Canvas(0.2, 0.15, 1000))
     small = mural.overview(40)

@@ -17,7 +17,8 @@ _SCALE = 0.03  # a larger standard error of m_x or m_y gets a warning
 def doubts(paths: Sequence[Floats], found: Unknowns, errors: Mapping[str, Tensor], opaque: bool) -> tuple[str, ...]:
     """Return a sentence for each number that these strokes (n, 3) leave open.
 
-    errors: standard errors by name, in metres or shares.  opaque: whether the ink was assumed to be opaque.
+    errors: standard errors by name, in metres or shares; 0 where nothing moved a number.
+    opaque: whether the ink was assumed to be opaque.
     """
     said = []
     pressure = np.array([path[:, 2] for path in paths])
@@ -39,7 +40,9 @@ def doubts(paths: Sequence[Floats], found: Unknowns, errors: Mapping[str, Tensor
             f"to {pressure.max():.2f}; draw strokes over more pressures"
         )
     for axis, error in zip("xy", errors["scale"].tolist(), strict=True):
-        if error > _SCALE:
+        if error == 0:
+            said.append(f"no stroke goes along {axis}: m_{axis} is not known and stays 1; draw some that do")
+        elif error > _SCALE:
             said.append(f"m_{axis} is known to ± {error:.2g} only: draw longer strokes along {axis}")
     if opaque:
         said.append(

@@ -59,6 +59,8 @@ def read_evidence(
     """
     sample = np.unique(np.linspace(0, len(trials) - 1, _SAMPLE).astype(int)).tolist() if len(trials) else []
     seen, left_out = _look_at(trials, sample, pixels_per_metre, _FAR, 1, lambda done: None)
+    if not seen:  # others may be usable all the same
+        seen, left_out = _look_at(trials, range(len(trials)), pixels_per_metre, _FAR, 1, lambda done: None)
     if seen:
         reach = _LARGER * float(np.quantile([extent(window, pixels_per_metre) for window in seen], 0.9)) + _MORE
         sides = np.array([np.ptp(w.path[:, :2], axis=0) + 2 * reach for w in seen]) * pixels_per_metre

@@ -159,12 +159,15 @@ def _brush(executed: Executed, name: str, source: str, depth: tuple[float, float
 
 
 def _named(errors: Mapping[str, Tensor], of_place: Floats) -> dict[str, float]:
-    """Return standard errors by the names of `Brush`'s fields, with an index for several values, as in ``curve[0]``."""
+    """Return standard errors by the names of `Brush`'s fields, with an index for several values, as in ``curve[0]``.
+
+    A scale that no stroke tells has none.
+    """
     named = {"b_x": float(of_place[0]), "b_y": float(of_place[1])}
     for name, each in errors.items():
         values = each.tolist()
         if name == "scale":
-            named["m_x"], named["m_y"] = values
+            named.update({f"m_{axis}": error for axis, error in zip("xy", values, strict=True) if error > 0})
         elif len(values) == 1:
             named[name] = values[0]
         else:

@@ -54,7 +54,7 @@ class Brush(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     name: Name
-    source: str
+    source: Name
     m_x: Annotated[_Number, Field(gt=0)] = 1.0
     m_y: Annotated[_Number, Field(gt=0)] = 1.0
     b_x: _Number = 0.0

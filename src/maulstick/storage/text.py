@@ -9,3 +9,8 @@ JOINERS: Final = "\N{ZERO WIDTH NON-JOINER}\N{ZERO WIDTH JOINER}"
 def is_printable(text: str) -> bool:
     """Return whether a text has nothing but what can be printed, and joiners."""
     return all(letter.isprintable() or letter in JOINERS for letter in text)
+
+
+def made_printable(text: str) -> str:
+    """Return a text with a question mark for each letter that cannot be printed, and for none at all."""
+    return "".join(letter if is_printable(letter) else "?" for letter in text) or "?"

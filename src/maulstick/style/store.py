@@ -16,7 +16,7 @@ from maulstick.errors import InputError, OutputError
 from maulstick.storage.arrays import Floats
 from maulstick.storage.files import atomic_write, read_whole
 from maulstick.storage.records import write_record
-from maulstick.storage.text import is_printable
+from maulstick.storage.text import made_printable
 from maulstick.strokes.strokes import POINTS, path_lengths
 from maulstick.style.cards import (
     BUILT_IN,
@@ -65,7 +65,9 @@ def write_style(style: Fitted, source: str, folder: Path, overwrite: bool = True
         arrays |= style.arrays()
     content = save(arrays)
     digest = hashlib.sha256(content).hexdigest()
-    card = StyleCard(name=name, source=_printable(source), strokes=len(style.hand), settings=settings, sha256=digest)
+    card = StyleCard(
+        name=name, source=made_printable(source), strokes=len(style.hand), settings=settings, sha256=digest
+    )
     path = folder / f"{name}.json"
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -112,7 +114,7 @@ def read_style(path: Path) -> Fitted:
             return Exemplar(card.name, hand, _hands(arrays), card.settings.freedom)
         return TrajVAE.from_arrays(card.name, hand, arrays)
     except (KeyError, TypeError, ValueError, RuntimeError) as error:
-        raise InputError(f"{beside} does not hold a style: {_printable(str(error))}") from error
+        raise InputError(f"{beside} does not hold a style: {made_printable(str(error))}") from error
 
 
 def write_hands(hands: PooledHands, folder: Path) -> Path:
@@ -124,10 +126,6 @@ def write_hands(hands: PooledHands, folder: Path) -> Path:
 def load_hands() -> PooledHands:
     """Return the statistics of many hands that come with Maulstick."""
     return _hands(_arrays(read_whole(BUILT_IN / "hands.safetensors", "style", LARGEST)))
-
-
-def _printable(text: str) -> str:
-    return "".join(letter if is_printable(letter) else "?" for letter in text) or "?"
 
 
 def _arrays(content: bytes) -> Arrays:

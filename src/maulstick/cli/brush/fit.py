@@ -18,6 +18,7 @@ from maulstick.errors import InputError
 from maulstick.painting.brush import BRUSHES, write_brush
 from maulstick.storage.files import atomic_write
 from maulstick.storage.folders import MAKE_ROOM, made_folder
+from maulstick.storage.text import made_printable
 
 if TYPE_CHECKING:
     from maulstick.brush_fit.fit import Fit
@@ -78,9 +79,8 @@ def _check_plot(plot: Path, overwrite: bool) -> None:
 
 
 def _source(trials: Trials) -> str:
-    """Return where the brush comes from, for people, without characters that cannot be printed."""
-    folder = "".join(letter if letter.isprintable() else "?" for letter in trials.folder.resolve().name)
-    return f"{trials.medium}, fitted to the trials in {folder}"
+    """Return where the brush comes from, for people."""
+    return f"{trials.medium}, fitted to the trials in {made_printable(trials.folder.resolve().name)}"
 
 
 @contextmanager

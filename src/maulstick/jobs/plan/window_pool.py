@@ -134,7 +134,7 @@ class _Worker:
         """Return the next progress or the plan of the present window. Raises OutputError where the process died."""
         try:
             told: PlanProgress | PlanResult = pickle.loads(self.connection.recv_bytes())
-        except (EOFError, ConnectionError) as error:
+        except (EOFError, OSError) as error:  # the latter where it died in the middle of telling
             why = death_of(self.process.wait(), self._said, f"ask for fewer {option('workers')}")
             raise OutputError(f"window {self.window + 1} of the mural is not planned: {why}") from error
         return told

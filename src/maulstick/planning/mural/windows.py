@@ -20,6 +20,7 @@ from maulstick.storage.arrays import Floats, Image, Ints
 Box = tuple[int, int, int, int]
 """A rectangle (left, top, right, bottom), pixels of the canvas."""
 
+_MOST_LACKED = 0.5 - 1e-6  # pixels that a canvas may lack of its last one: half a pixel could be rounded either way
 _FILTER = 3  # pixels of the coarser grid: half the width of the Lanczos filter that scales pictures
 
 
@@ -50,10 +51,15 @@ class Mural:
         return Layout(canvas, self.sheet, under, target, area, self._room(canvas, (0, 0)))
 
     def part(self, box: Box) -> Canvas:
-        """Return the canvas of the box alone."""
+        """Return the canvas of the box alone, which ends where the sheet does."""
+        width, height = self._length(box[0], box[2], self.sheet.width), self._length(box[1], box[3], self.sheet.height)
+        return Canvas(width, height, self.canvas.pixels_per_metre)
+
+    def _length(self, first: int, last: int, side: float) -> float:
+        """Return how much of a side of the sheet, metres, lies between two edges of pixels."""
         resolution = self.canvas.pixels_per_metre
-        left, top, right, bottom = (edge / resolution for edge in box)
-        return Canvas(min(right, self.sheet.width) - left, min(bottom, self.sheet.height) - top, resolution)
+        within = min(last / resolution, side) - first / resolution
+        return max(within, (last - first - _MOST_LACKED) / resolution)
 
     def under(self, box: Box) -> Image:
         """Return the sheet as it is within the box, (H, W, 3)."""
