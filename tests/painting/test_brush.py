@@ -226,6 +226,10 @@ def test_a_brush_file_that_is_missing_broken_or_huge_is_refused(tmp_path: Path) 
         load_brush(str(tmp_path / "half.json"))
 
 
+def test_a_brush_that_does_not_say_where_it_comes_from_is_read() -> None:
+    assert Brush.model_validate(GOOD | {"source": ""}).source == ""
+
+
 def test_the_first_fault_names_the_field_and_shortens_what_came() -> None:
     class Model(BaseModel):
         rows: list[list[int]]

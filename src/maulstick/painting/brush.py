@@ -9,7 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 
 from maulstick.errors import InputError, OutputError, validation_fault
 from maulstick.kinds import checked
-from maulstick.painting.pens import PENS, PenModel, PrintableName, load_pen
+from maulstick.painting.pens import PENS, PenModel, Printable, PrintableName, load_pen
 from maulstick.storage.arrays import Floats
 from maulstick.storage.files import atomic_write, read_whole
 from maulstick.storage.library import Library
@@ -54,7 +54,7 @@ class Brush(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     name: Name
-    source: Name
+    source: Printable
     m_x: Annotated[_Number, Field(gt=0)] = 1.0
     m_y: Annotated[_Number, Field(gt=0)] = 1.0
     b_x: _Number = 0.0

@@ -14,11 +14,14 @@ PENS: Final = Library("pen", "pens", Path(__file__).with_name("built_in_pens"))
 """Library of the pens that come with Maulstick and of the user's own."""
 
 
-def _printable(name: str) -> str:
-    if not is_printable(name):
+def _printable(text: str) -> str:
+    if not is_printable(text):
         raise ValueError("a name must be made of printable characters")
-    return name
+    return text
 
+
+Printable = Annotated[str, AfterValidator(_printable)]
+"""Text of printable characters, which may be empty."""
 
 PrintableName = Annotated[str, Field(min_length=1), AfterValidator(_printable)]
 """Name of one printable character or more."""
