@@ -91,7 +91,9 @@ class Workplace:
         """Return the action; a plotter's pen is changed or refilled at home, unless another place is asked for."""
         if not isinstance(action, Prompt) or not action.renews or action.aside or not self.robot.counts_steps:
             return action
-        x, y, z = home_of(self.robot, self.journal).tolist()
+        # As this run began: before the first stroke of a further copy the tip stands over the sheet before it.
+        home = home_of(self.robot) if self.journal.home is None else self.journal.home
+        x, y, z = home.tolist()
         return replace(action, aside=(x, y, z))
 
     def moved_to(self, easel: Easel) -> "Workplace":
