@@ -73,6 +73,11 @@ def test_the_edges_of_many_shapes_in_one_path_are_each_crossed_once() -> None:
     assert len(rows) == 8
 
 
+def test_a_shape_between_two_rows_has_none() -> None:
+    assert rows_through(shapely.box(0, 0.3, 1, 0.7), 1.0, 0.0) != []
+    assert rows_through(shapely.box(0, 0.6, 1, 0.9), 1.0, 0.0) == []
+
+
 def test_nothing_fills_nothing() -> None:
     assert region_of([], "nonzero").is_empty
     assert region_of([np.array([[0.0, 0.0], [1.0, 1.0]])], "evenodd").is_empty

@@ -72,6 +72,33 @@ def test_a_plotter_goes_home_while_its_pen_is_changed_or_refilled(
     assert where[-1][1] == (0.02, 0.01), "where it is asked to be"
 
 
+def test_one_that_homes_by_itself_goes_where_the_run_began_though_it_stands_over_the_sheet_before(
+    place: Workplace, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Recorder, "counts_steps", True)
+    where: list[tuple[float, ...]] = []
+    with Journal.open(place.journal.path) as journal, place.robot as robot:
+        began = robot.place
+        journal.write_home(began)
+        robot.move(np.array([0.02, -0.02, 0.01]))
+        asking = replace(place, journal=journal, ask=lambda asked: where.append(tuple(robot.place[:2])))
+        asking.do(asking.left_of(SIX))
+    assert where == [tuple(began[:2])] * 2
+
+
+def test_a_home_beside_the_limits_is_the_nearest_place_within_them(
+    place: Workplace, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Recorder, "counts_steps", True)
+    robot, asked = Recorder(), list[str]()
+    robot.stands = np.array([-0.3, 0.0, 0.05])
+    with Journal.open(place.journal.path) as journal, robot:
+        assert home_of(robot, journal) == pytest.approx(np.array([-0.1, 0.0, 0.05]))
+        asking = replace(place, robot=robot, journal=journal, ask=lambda prompt: asked.append(prompt.message))
+        asking.do(asking.left_of(SIX))
+    assert len(asked) == 2, "the second pen, too, is asked for where the machine may go"
+
+
 def test_the_tip_steps_aside_lifted_and_never_lower_than_it_is(place: Workplace) -> None:
     with place.robot:
         place.robot.move(np.array([0.02, -0.02, 0.01]))

@@ -56,8 +56,9 @@ def rows_through(region: BaseGeometry, spacing: float, angle: float) -> list[Flo
         *(each[:-1][goes_on] for each in (place, row)), *(each[1:][goes_on] for each in (place, row))
     )
     begins, ends = places.reshape(-1, 2).T
-    apart = np.append(True, (np.diff(numbers[::2]) > 0) | (begins[1:] - ends[:-1] > _SAME))
-    begins, ends, numbers = begins[apart], ends[np.append(apart[1:], True)], numbers[::2][apart]
+    apart = np.ones(len(begins), dtype=np.bool_)
+    apart[1:] = (np.diff(numbers[::2]) > 0) | (begins[1:] - ends[:-1] > _SAME)
+    begins, ends, numbers = begins[apart], ends[np.roll(apart, -1)], numbers[::2][apart]
     rows = np.stack([begins, ends], axis=1)[..., None] * along + (spacing * (numbers + 0.5))[:, None, None] * across
     return list(rows[ends - begins >= _SHORTEST])
 

@@ -69,11 +69,8 @@ def _one_entry_per_line(value: Any) -> str:
 
 def painting_fault(error: ValidationError) -> str:
     """Return what is wrong with a painting, of an error that making one raised."""
-    faults = error.errors(include_url=False)
-    for fault in faults:
+    for fault in error.errors(include_url=False):
         if fault["loc"] == ("schema_version",) and isinstance(came := fault["input"], int):
             remedy = "update Maulstick" if came > SCHEMA_VERSION else "write the painting again"
             return f"schema_version: it is {came}, and this Maulstick reads versions 1 to {SCHEMA_VERSION}; {remedy}"
-    if not faults[0]["loc"] and faults[0]["type"] == "value_error":
-        return str(faults[0]["ctx"]["error"])  # `Painting._agrees_with_itself` names the field
     return validation_fault(error)

@@ -13,14 +13,13 @@ from maulstick.painting.painting import Painting, Stroke
 from maulstick.painting.refined import refined
 from maulstick.robot.easel import Easel
 from maulstick.robot.limits import SLACK, Limits, Point
+from maulstick.robot.pressing import check_depth, check_pressure, depth_at
 from maulstick.robot.room import Way, check_room
 from maulstick.robot.tray import Tray, Well
 from maulstick.storage.arrays import Floats
 
 _SAME = 1e-7  # metres, or pressure: points that differ by less in everything count as one
-_LIGHT = 5e-4  # metres below first touch: enough for an uneven sheet, and little enough for any pen
 _APART = 0.02  # metres between the places of a way over that are looked at; an arm's reach changes little within
-_STEADY = 0.02  # range of pressure of a brush that a machine that only lifts its pen may ignore
 
 
 @dataclass(frozen=True)
@@ -134,9 +133,9 @@ def routine(
     left = tuple(stroke for stroke in painting.strokes if stroke.id not in painted)
     wanted = refined(painting.model_copy(update={"strokes": left})).strokes
     for paint in {stroke.paint for stroke in wanted}:
-        _check_depth(painting.brushes[painting.paints[paint].brush], easel, limits)
+        check_depth(painting.brushes[painting.paints[paint].brush], easel, limits)
     if not limits.varies_pressure:
-        _check_pressure(wanted, painting)
+        check_pressure(wanted, painting)
     actions: list[Action] = []
     for stroke in wanted:
         brush = painting.brushes[painting.paints[stroke.paint].brush]
@@ -218,54 +217,9 @@ def _motion(stroke: Stroke, brush: Brush, easel: Easel, limits: Limits, speed: f
                 millimetres=f"{1e3 * limits.speed:g}",
             )
         speeds = own.clip(max=most)
-    heights = -_depth(points[:, 2], brush, easel) if limits.varies_pressure else np.zeros(len(points))
+    heights = -depth_at(points[:, 2], brush, easel) if limits.varies_pressure else np.zeros(len(points))
     path = easel.canvas_to_machine(np.concatenate([points[:, :2], heights[:, None]], axis=1))
     return Motion(path, speeds, *(_height(easel, path[end], easel.travel) for end in (0, -1)))
-
-
-def _depth(pressure: Floats, brush: Brush, easel: Easel) -> Floats:
-    """Return metres below first touch (n,) for pressures (n,), by the depths of the brush, else by the easel's.
-
-    A pen of unknown depth is pressed lightly, since the easel may be one for broad brushes.
-    """
-    if not brush.pressure_matters:
-        return np.full(pressure.shape, brush.depth[1] if any(brush.depth) else min(easel.deepest / 2, _LIGHT))
-    touch, deepest = brush.depth if any(brush.depth) else (0.0, easel.deepest)
-    return np.asarray(touch + pressure * (deepest - touch))
-
-
-def _check_pressure(strokes: Sequence[Stroke], painting: Painting) -> None:
-    """Raise InputError where a brush needs more than one pressure, and the machine only lifts its pen."""
-    extremes: dict[str, Floats] = {}
-    for stroke in strokes:
-        brush = painting.brushes[painting.paints[stroke.paint].brush]
-        own = np.array(stroke.trajectory)[:, 2]
-        every = np.concatenate([own, extremes.get(brush.name, own)])
-        extremes[brush.name] = np.array([every.min(), every.max()])
-        if brush.pressure_matters and np.ptp(every) > _STEADY:
-            varies = f"varies its pressure by {np.ptp(own):.2f}"
-            does = varies if np.ptp(own) > _STEADY else "has another pressure than those before"
-            raise InputError(f"stroke {stroke.id} {does}, and this machine only lifts its pen", Remedy.HOLD_PRESSURE)
-
-
-def _check_depth(brush: Brush, easel: Easel, limits: Limits) -> None:
-    """Raise InputError where the depth of a brush is not known, or more than the easel allows."""
-    if limits.varies_pressure and brush.pressure_matters and not any(brush.depth) and not easel.deepest:
-        raise InputError(
-            f"neither the brush {brush.name} nor the easel says how deep it may be pressed; calibrate the touch again"
-        )
-    if limits.varies_pressure and max(brush.depth) > easel.deepest + SLACK:
-        if not easel.deepest:
-            raise InputError(
-                f"the brush {brush.name} is pressed {1e3 * max(brush.depth):g} mm deep, and no easel says how deep it "
-                "may be (a pen that a servo lifts has the easel that maulstick machine writes)",
-                Remedy.CALIBRATE_TOUCH,
-            )
-        raise InputError(
-            f"the brush {brush.name} is pressed {1e3 * max(brush.depth):g} mm deep, and the easel allows "
-            f"{1e3 * easel.deepest:g} mm: {1e3 * (max(brush.depth) - easel.deepest):.3g} mm less; calibrate the touch "
-            "again, or the brush for this easel"
-        )
 
 
 def _check_easel(easel: Easel, limits: Limits) -> None:

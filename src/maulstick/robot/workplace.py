@@ -91,7 +91,9 @@ class Workplace:
         """Return the action; a plotter's pen is changed or refilled at home, unless another place is asked for."""
         if not isinstance(action, Prompt) or not action.renews or action.aside or not self.robot.counts_steps:
             return action
-        x, y, z = home_of(self.robot, self.journal).tolist()
+        # As this run began: before the first stroke of a further copy the tip stands over the sheet before it.
+        home = home_of(self.robot) if self.journal.home is None else self.journal.home
+        x, y, z = home.tolist()
         return replace(action, aside=(x, y, z))
 
     def moved_to(self, easel: Easel) -> "Workplace":
@@ -123,11 +125,14 @@ def home_of(robot: Robot, journal: Journal | None = None) -> Floats:
     """Return the place (3,) of a machine's tip while a sheet is put in or photographed.
 
     It is the machine's home; for one without, where it stood when the first stroke was begun, as the journal says, or
-    else where it stands now.
+    else where it stands now. Where narrower limits leave that out, it is the nearest place within them.
     """
+    home = robot.place
     if robot.home is not None:
-        return np.array([*robot.home, robot.place[2]]).clip(robot.limits.lower, robot.limits.upper)
-    return journal.home if journal is not None and journal.begun and journal.home is not None else robot.place
+        home[:2] = robot.home
+    elif journal is not None and journal.begun and journal.home is not None:
+        home = journal.home
+    return home.clip(robot.limits.lower, robot.limits.upper)
 
 
 def _seen_from(easel: Easel, well: Well, before: Easel) -> Well:
