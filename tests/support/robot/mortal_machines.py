@@ -274,6 +274,9 @@ class _Sheet(InkedSheet):
     def take(self, brush: Brush) -> None:
         pass
 
+    def lay(self, picture: Image) -> None:
+        pass
+
     def draw(self, trajectory: Floats, colour: Colour) -> None:
         with self._world.open("a") as file:
             file.write(json.dumps(trajectory[:, :2].tolist()) + "\n")
