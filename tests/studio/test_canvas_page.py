@@ -205,6 +205,7 @@ def test_what_is_typed_of_a_region_stays_while_another_page_acts_and_what_cannot
     other = page("/plan/coast").get_by_role("group", name="The strokes of coast")
     sharp(other, 1)
     other.press("Control+a")
+    expect(other.page.locator(".said")).to_have_text(re.compile(f"^{STROKES} strokes"))
     other.press("l")
     sharp(view, 2)
     name.press("End")
