@@ -17,9 +17,11 @@ FLATNESS: Final = 1.5e-5
 MOST_POINTS: Final = 4_000_000
 """Points of all polylines of a drawing: they take some 2 GB as a painting."""
 
+SAME: Final = 1e-9
+"""Metres, or a share of a step: less is rounding."""
+
 _MOST_PARTS = 10_000  # of one curve: one of 20 m with the tightest bend takes fewer
 _FARTHEST = 1e5  # metres: beyond, numbers are damaged
-_SAME = 1e-9  # metres, or a share of a step: less is rounding
 
 
 def bounds_of(chains: Sequence[Floats]) -> Floats:
@@ -69,7 +71,7 @@ def polylines(chains: Sequence[Floats], turn: Floats, shift: Floats) -> list[Flo
 def _parts(cubics: Floats) -> Ints:
     """Return into how many equal parts of its parameter each curve is cut, (M,): Wang's bound."""
     bend = np.linalg.norm(np.diff(cubics, n=2, axis=1), axis=2).max(axis=1)
-    bend[bend < _SAME] = 0.0
+    bend[bend < SAME] = 0.0
     parts: Ints = np.ceil(np.sqrt(0.75 * bend / FLATNESS)).clip(1, _MOST_PARTS).astype(np.int64)
     return parts
 
@@ -106,7 +108,7 @@ def _inside(lines: Sequence[Floats], region: BaseGeometry) -> list[bool | None]:
     owners = np.repeat(np.arange(len(lines)), [max(len(line), 2) for line in lines])
     shapes = shapely.linestrings(points, indices=owners)
     covered, touched = shapely.covers(region, shapes), shapely.intersects(region, shapes)
-    dots = np.array([np.ptp(line, axis=0).max() < _SAME for line in lines])
+    dots = np.array([np.ptp(line, axis=0).max() < SAME for line in lines])
     if dots.any():
         places = np.array([line[0] for line, dot in zip(lines, dots, strict=True) if dot])
         covered[dots] = touched[dots] = shapely.covers(region, shapely.points(places))
@@ -115,7 +117,7 @@ def _inside(lines: Sequence[Floats], region: BaseGeometry) -> list[bool | None]:
 
 def _pieces(line: Floats, region: BaseGeometry) -> list[Floats]:
     starts, steps = line[:-1], np.diff(line, axis=0)
-    moving = np.flatnonzero(np.hypot(*steps.T) > _SAME)
+    moving = np.flatnonzero(np.hypot(*steps.T) > SAME)
     starts, steps = starts[moving], steps[moving]
     found = shapely.intersection(shapely.linestrings(np.stack([starts, starts + steps], axis=1)), region)
     parts, which = shapely.get_parts(found, return_index=True)
@@ -126,7 +128,7 @@ def _pieces(line: Floats, region: BaseGeometry) -> list[Floats]:
     ends = np.stack([shapely.get_coordinates(shapely.get_point(parts, end)) for end in (0, -1)], axis=1)
     along = steps[which] / (steps[which] ** 2).sum(axis=1, keepdims=True)
     shares = np.sort(((ends - starts[which][:, None]) * along[:, None]).sum(axis=2), axis=1)
-    shares[np.abs(shares) < _SAME], shares[np.abs(shares - 1) < _SAME] = 0.0, 1.0
+    shares[np.abs(shares) < SAME], shares[np.abs(shares - 1) < SAME] = 0.0, 1.0
     pieces: list[list[Floats]] = []
     last, left = -1, 0.0  # the step of the latest piece, and the share of it where that ended
     for i in np.lexsort([shares[:, 0], which]):

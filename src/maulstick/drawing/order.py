@@ -6,11 +6,11 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 from scipy.spatial import cKDTree
 
+from maulstick.drawing.lines import SAME
 from maulstick.ordering.tour import tour
 from maulstick.storage.arrays import Bools, Floats
 
 _ALIKE = 1e-5  # metres: lines that differ by less at each point are the same
-_SAME = 1e-9  # metres: less is rounding
 _BETWEEN = 0.25  # of that: files end in tenths of it, which then never lie where rounding may go either way
 
 
@@ -70,5 +70,5 @@ def _nearest(tree: cKDTree, end: int, free: Bools, gap: float) -> int | None:
 def _in_one(parts: Iterable[Floats]) -> Floats:
     """Return lines (k, 2) one after another as one, in which a point where two meet is there once."""
     points: Floats = np.concatenate(list(parts))
-    goes_on: Bools = np.append(True, np.hypot(*np.diff(points, axis=0).T) > _SAME)
+    goes_on: Bools = np.append(True, np.hypot(*np.diff(points, axis=0).T) > SAME)
     return points[goes_on]

@@ -6,13 +6,13 @@ import numpy as np
 import shapely
 from shapely.geometry.base import BaseGeometry
 
+from maulstick.drawing.lines import SAME
 from maulstick.errors import InputError
 from maulstick.storage.arrays import Bools, Floats, Ints
 
 _CHUNK = 2**22  # pairs of face and edge that are looked at together: 100 MB
 _MOST_LINES = 100_000  # that hatch one shape: 5 m of the narrowest
 _SHORTEST = 1e-5  # metres: a shorter line of a hatch is a speck
-_SAME = 1e-9  # metres: parts of a region that are nearer to each other touch
 
 
 def region_of(rings: Sequence[Floats], rule: str) -> BaseGeometry:
@@ -57,7 +57,7 @@ def rows_through(region: BaseGeometry, spacing: float, angle: float) -> list[Flo
     )
     begins, ends = places.reshape(-1, 2).T
     apart = np.ones(len(begins), dtype=np.bool_)
-    apart[1:] = (np.diff(numbers[::2]) > 0) | (begins[1:] - ends[:-1] > _SAME)
+    apart[1:] = (np.diff(numbers[::2]) > 0) | (begins[1:] - ends[:-1] > SAME)  # or two parts touch there
     begins, ends, numbers = begins[apart], ends[np.roll(apart, -1)], numbers[::2][apart]
     rows = np.stack([begins, ends], axis=1)[..., None] * along + (spacing * (numbers + 0.5))[:, None, None] * across
     return list(rows[ends - begins >= _SHORTEST])
