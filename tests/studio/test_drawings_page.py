@@ -73,6 +73,23 @@ def test_a_drawing_is_brought_read_with_hatches_thrown_away_taken_back_and_paint
     expect(mine.get_by_text("All 2 strokes are painted.")).to_be_visible()
 
 
+def test_ends_that_meet_are_joined_on_the_page_and_a_distance_that_cannot_be_is_told(
+    page: Callable[..., Page], tmp_path: Path
+) -> None:
+    mine, theirs = page("/paint"), page("/paint")
+    bring(mine, tmp_path, "comb.svg", COMB)
+    expect(card(mine, "comb").get_by_text(re.compile(f", {ROWS}\\spaths"))).to_be_visible()
+    mine.get_by_role("button", name="How the drawing is read").click()
+    mine.get_by_label("Join ends nearer than, mm").fill("1.1")
+    expect(card(theirs, "comb").get_by_text(re.compile(r", 1\spath\b"))).to_be_visible()
+    expect(theirs.get_by_label("Join ends nearer than, mm")).to_have_value("1.1")
+    mine.get_by_label("Join ends nearer than, mm").fill("30000")
+    mine.get_by_role("button", name="Check").click()
+    expect(mine.get_by_text("The distance of ends that are joined is 30000 mm; it must be").first).to_be_visible()
+    mine.get_by_label("Join ends nearer than, mm").fill("")
+    expect(card(theirs, "comb").get_by_text(re.compile(f", {ROWS}\\spaths"))).to_be_visible()
+
+
 def test_an_outcome_stands_beside_what_it_is_of_or_names_it(page: Callable[..., Page], tmp_path: Path) -> None:
     tab = page("/paint")
     bring(tab, tmp_path, "boat.svg", BOAT)

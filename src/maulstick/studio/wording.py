@@ -70,6 +70,7 @@ _OPTIONS: Final = {
     "speed": "the speed",
     "replan": "the number of strokes between two looks",
     "hatch": "the distance between hatching lines",
+    "join": "the distance of ends that are joined",
     "px": "sheet",
     "pause_at": "the number of a stroke to wait before",
     "name": "name",
