@@ -125,6 +125,39 @@ def test_a_key_that_is_held_acts_once_and_none_undoes_behind_a_dialog(
     assert [act["edit"]["kind"] for act in acts(studio)] == ["lock", "move"]
 
 
+def test_keys_are_the_canvas_s_after_a_click_beside_it_and_a_tool_is_in_hand_at_once(
+    studio: RunningStudio, page: Callable[..., Page]
+) -> None:
+    tab, view = opened(page)
+    expect(view).to_be_focused()
+    tab.evaluate("""() => {
+      document.activeElement.dispatchEvent(new KeyboardEvent("keydown", { key: "b", bubbles: true }));
+      point("pointerdown", 10, 20);
+      for (const x of [15, 20]) point("pointermove", x, 20);
+      point("pointerup", 20, 20);
+    }""")
+    sharp(view, 1)
+    assert acts(studio)[0]["edit"]["kind"] == "add"
+    expect(view).to_have_class("strokes-view draw")
+    tool = tab.get_by_role("button", name="Look around", exact=True)
+    tool.press("Enter")
+    expect(view).to_have_class("strokes-view pan")
+    expect(tool).to_be_focused()
+
+
+def test_on_an_upright_tablet_the_canvas_stays_in_view_above_its_tools(page: Callable[..., Page]) -> None:
+    tab, view = opened(page)
+    tab.set_viewport_size({"width": 768, "height": 1024})
+    keys = tab.get_by_text("Keys", exact=True)
+    keys.scroll_into_view_if_needed()
+    expect(keys).to_be_in_viewport(ratio=1)
+    expect(view).to_be_in_viewport(ratio=1)
+    tools, canvas = keys.bounding_box(), view.bounding_box()
+    assert tools is not None
+    assert canvas is not None
+    assert tools["y"] > canvas["y"] + canvas["height"]
+
+
 def test_what_an_arrow_key_has_moved_is_not_lost_to_what_is_done_next(
     studio: RunningStudio, page: Callable[..., Page]
 ) -> None:

@@ -76,7 +76,7 @@ function paintAct(stage, now) {
     if (each?.kind !== "draw") continue;
     drawingStroke(ink, each.points, view, props.colours[each.paint], props.halfWidths[each.paint]);
   }
-  if (props.tool === "importance" && stage.pointed) {
+  if (stage.tool === "importance" && stage.pointed) {
     ink.beginPath();
     ink.arc(...stage.pointed, (props.broad / 2) * view.scale, 0, 2 * Math.PI);
     outline(ink);

@@ -17,12 +17,15 @@ export class Keys {
     stage.beforeChoice = () => this.sendShift();
     this.heard = (event) => this.undo(event);
     document.addEventListener("keydown", this.heard); // also where a button of the page has the focus
+    this.clicked = (event) => this.returnTo(event);
+    document.addEventListener("click", this.clicked);
     this.hidden = () => document.hidden && this.leave();
     document.addEventListener("visibilitychange", this.hidden); // as a tab is that is closed, and keeps its focus
   }
 
   close() {
     document.removeEventListener("keydown", this.heard);
+    document.removeEventListener("click", this.clicked);
     document.removeEventListener("visibilitychange", this.hidden);
     clearTimeout(this.resting);
   }
@@ -30,6 +33,14 @@ export class Keys {
   leave() {
     this.hold(false);
     this.rest();
+  }
+
+  // A button beside the canvas that is clicked, and not pressed by a key, leaves the keys to the canvas.
+  returnTo({ detail, target }) {
+    const button = target.closest?.(".directing .side :is(button, [role=checkbox])");
+    if (!button) return;
+    this.stage.asked = null;
+    if (detail) this.stage.root.focus({ preventScroll: true });
   }
 
   hold(space) {
@@ -57,7 +68,8 @@ export class Keys {
     const turned = (by) => some(() => this.nudge(0, 0, by));
     const [next, before] = [1, -1].map((by) => () => stage.choose({ by }, shiftKey));
     const ask = (what) => () => repeat || this.ask(what);
-    const away = DRAWS_LINES.includes(stage.props.tool) ? ask("take_out") : some(ask("remove"));
+    const take = (tool) => () => repeat || this.takeUp(tool);
+    const away = DRAWS_LINES.includes(stage.tool) ? ask("take_out") : some(ask("remove"));
     return {
       "+": () => stage.nearer(), "=": () => stage.nearer(), "-": () => stage.farther(), 0: () => stage.fit(),
       1: () => stage.showTrueSize(), m: () => stage.magnify(), " ": () => this.hold(true), n: () => stage.chooseNone(),
@@ -66,8 +78,8 @@ export class Keys {
       ArrowLeft: this.by(-1, 0, step), ArrowRight: this.by(1, 0, step),
       ArrowUp: this.by(0, -1, step), ArrowDown: this.by(0, 1, step),
       Delete: away, Backspace: away, l: some(ask("lock")),
-      v: ask("choose"), h: ask("pan"), b: ask("draw"),
-      r: ask("region"), p: ask("bare"), i: ask("importance"), g: ask("guide"),
+      v: take("choose"), h: take("pan"), b: take("draw"),
+      r: take("region"), p: take("bare"), i: take("importance"), g: take("guide"),
     }[key];
   }
 
@@ -105,6 +117,12 @@ export class Keys {
   ask(what) {
     this.sendShift();
     this.stage.emit("ask", what);
+  }
+
+  // The pointer is that tool at once, however busy the server is.
+  takeUp(tool) {
+    this.stage.asked = tool;
+    this.ask(tool);
   }
 
   undo(event) {

@@ -30,7 +30,7 @@ export class Pointers {
   begin(event) {
     if (event.button > 1) return;
     const { stage } = this;
-    const { tool, paint } = stage.props;
+    const { tool, props: { paint } } = stage;
     const isTouch = event.pointerType === "touch";
     if (isTouch && this.places.has(this.pen)) return; // a palm
     if (event.pointerType === "pen") {

@@ -28,6 +28,7 @@ export class Stage {
     this.places = new Places();
     this.showPlaces();
     this.beforeChoice = () => {};
+    this.asked = null; // tool that a key took up since a button did
     this.fits = true;
     this.faded = 0;
     this.ink = this.sheet.getContext("2d");
@@ -144,7 +145,7 @@ export class Stage {
   // The pointer is at a place of the view, CSS pixels.
   point(at) {
     this.pointed = at;
-    if (this.props.tool === "importance") this.repaint(); // its brush follows
+    if (this.tool === "importance") this.repaint(); // its brush follows
     if (this.loupe.isOn) this.tell({ act: "see", layer: "loupe", view: this.loupe.viewAt(this.onSheet(at), this.view) });
   }
 
@@ -250,6 +251,10 @@ export class Stage {
   unsend() {
     this.sent.splice(0, this.acts - this.drawnActs);
     this.drawnActs = this.acts;
+  }
+
+  get tool() {
+    return this.asked ?? this.props.tool;
   }
 
   middle() {
