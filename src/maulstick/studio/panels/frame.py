@@ -2,7 +2,6 @@
 
 import json
 from collections.abc import Callable
-from functools import partial
 from importlib import import_module
 from pathlib import Path
 
@@ -155,11 +154,10 @@ def _stop(studio: Studio) -> None:
 
 
 def _tell(error: Exception) -> None:
-    """Show a person's mistake on the page; NiceGUI prints any other error in the terminal."""
+    """Show a person's mistake on the page until it is read; NiceGUI prints any other error in the terminal."""
     if isinstance(error, MaulstickError):
         first, _, rest = error_text(error).partition(" ")
         sentence = f"{first.capitalize() if first.isalpha() and first.islower() else first} {rest}"
-        notify = partial(ui.notify, sentence, timeout=12000)
     else:
-        notify = partial(ui.notify, "Something in Maulstick is broken; the terminal says what.")
-    notify(type="negative", position="top", close_button="OK")
+        sentence = "Something in Maulstick is broken; the terminal says what."
+    ui.notify(sentence, type="negative", position="top", timeout=0, close_button="OK")

@@ -20,21 +20,26 @@ class FileChooser(Element):
     """Hidden element that sends each file that is chosen, dropped or pasted.
 
     `ui.upload` adds a route for each element, which FastAPI's caches hold after the page is closed, and the page by it.
-    take: called with each file.  refuse: called where the browser refuses one.
+    take: called with each file.  refuse: called with the names of files that the browser refuses.
+    several: whether more than one may be chosen, dropped or pasted at once; else the first one counts.
     """
 
     def __init__(
         self,
         accept: str,
         take: Callable[[events.UploadEventArguments], Awaitable[None]],
-        refuse: Callable[[], object],
+        refuse: Callable[[list[str]], object],
+        *,
+        several: bool,
     ) -> None:
         super().__init__("q-uploader")
         self._take = take
         self.props(f'auto-upload accept="{accept}" aria-hidden=true').style("display: none")
         self._props["url"] = f"/page/{self.client.id}/upload/{self.id}"
         self._props["max-file-size"] = LARGEST
-        self.on("rejected", lambda: refuse(), [])
+        self._props["multiple"] = several
+        names = "(refused) => emit(refused.map((each) => each.file.name))"
+        self.on("rejected", lambda event: refuse(event.args), js_handler=names)
 
     def take(self, file: FileUpload) -> None:
         """Take a file that came."""

@@ -85,6 +85,7 @@ def upload_button(
     onto: ui.element | None = None,
     beside: ui.element | None = None,
     camera: bool = False,
+    several: bool = False,
 ) -> ui.button:
     """Make a button that lets a person choose a file, and says beside it that the file is being read.
 
@@ -92,21 +93,21 @@ def upload_button(
     onto: part of the page onto which a file can be dropped as well, or pasted while the page has it.
     beside: part of the page onto which another button, made later, lets all kinds of files be dropped; those with these
     endings come here.
-    camera: whether a photograph may be taken instead.
+    camera: whether a photograph may be taken instead.  several: whether more than one file may be brought at once.
     """
 
     async def taken(file: events.UploadEventArguments) -> None:
         with reading.another():
             await take(file)
 
-    chooser = FileChooser(accept, taken, _refuse)
-    chooser.on("uploaded", lambda: chooser.run_method("reset"), [])  # so that the same file can be chosen again
-    # At once, since nothing can be chosen before; a line that breaks takes the websocket with it.
-    chooser.on("failed", _miss, js_handler=f"() => {{ runMethod({chooser.id}, 'reset', []); emit(); }}")
+    chooser = FileChooser(accept, taken, _refuse, several=several)
+    chooser.on("failed", _miss, [])
     button = ui.button(text, icon="upload_file").props("outline no-caps")
     reading = _Reading(button)
     chooser.on("start", lambda: reading.send(True), [])
-    chooser.on("finish", lambda: reading.send(False), [])
+    # In the browser, for a line that breaks takes the websocket with it, and no file can be chosen twice before.
+    reset = f"() => {{ runMethod({chooser.id}, 'reset', []); emit(); }}"
+    chooser.on("finish", lambda: reading.send(False), js_handler=reset)
     button.on("click", js_handler=f"() => runMethod({chooser.id}, 'pickFiles', [])")
     if beside is not None:
         beside.on("drop", js_handler=_TAKE_OWN_DROP.replace("ENDINGS", accept).replace("CHOOSER", str(chooser.id)))
@@ -146,5 +147,5 @@ def _miss() -> None:
     raise InputError("that file did not arrive; bring it again, after loading the page where that is of no help")
 
 
-def _refuse() -> None:
-    raise InputError(f"that file is larger than {LARGEST >> 20} MiB, or of another kind; choose another")
+def _refuse(names: list[str]) -> None:
+    raise InputError(f"larger than {LARGEST >> 20} MiB, or of another kind: {', '.join(names)}; choose another file")

@@ -21,10 +21,11 @@ class OtherHands:
 
     def __init__(self, studio: Studio) -> None:
         self._studio, self._drawing, self._client = studio, studio.drawing, ui.context.client
+        self._taken_in = 0  # recordings that are being read
         with html.section().classes("hands"):
             html.h2("Other hands")
             with ui.element().classes("line"):
-                self._bring = upload_button("Bring a recording", _ENDINGS, self._take_in)
+                self._bring = upload_button("Bring a recording", _ENDINGS, self._take_in, several=True)
                 self._pen = (
                     ui.number("Length of its pen, mm", min=0, max=2000)
                     .props("outlined dense clearable")
@@ -86,16 +87,20 @@ class OtherHands:
 
     async def _take_in(self, upload: events.UploadEventArguments) -> None:
         called = Path(upload.file.name).name
-        self._trouble.set_text("")
-        self._bring.props("loading")
+        if not self._taken_in:
+            self._trouble.set_text("")
+            self._bring.props("loading")
+        self._taken_in += 1
         try:
             async with incoming(self._studio.folder, upload) as file:
                 name = await self._drawing.hands.take_in(file, called, self._pen.value)
         except MaulstickError as error:
-            self._trouble.set_text(error_text(error))
+            self._trouble.set_text("; ".join(filter(None, (self._trouble.text, error_text(error)))))
             return
         finally:
-            self._bring.props(remove="loading")
+            self._taken_in -= 1
+            if not self._taken_in:
+                self._bring.props(remove="loading")
         ui.notify(f"{called} is here as {self._drawing.hands.titles()[name]}.", type="positive")
 
 

@@ -78,7 +78,7 @@ class _Setting:
             self._plan.on("update:model-value", lambda: self.on_touch(), args=[])
             self._none = html.p("There is nothing to paint yet: plan a painting, or bring a drawing.").classes("hint")
             with ui.element().classes("line"):
-                upload_button("Bring an SVG", ".svg,.svgz", self._bring, onto=desk)
+                upload_button("Bring an SVG", ".svg,.svgz", self._bring, onto=desk, several=True)
                 html.span("or drop it here").classes("hint")
             self._reading = ReadingForm(studio, self._touch)
             first = ui.element().classes("fields")

@@ -38,7 +38,7 @@ class PictureChoice:
             self._away = ui.button("Throw away", icon="delete", on_click=self._throw_away).props("flat")
             self._away.props('aria-label="Throw the picture away"')
         with ui.element().classes("line"):
-            upload_button("Bring a picture", _ENDINGS, self._bring, onto=onto, camera=True)
+            upload_button("Bring a picture", _ENDINGS, self._bring, onto=onto, camera=True, several=True)
             self._portrait = ui.button("Try an example picture", on_click=self._use_portrait).props("flat no-caps")
         shown_by(self._group, studio.gallery.changed, self._show)
 

@@ -48,7 +48,7 @@ class SurveyForm:
                     "cut at the edges of the sheet."
                 ).classes("hint")
                 with ui.element().classes("line"):
-                    upload_button("Bring a drawing", _ENDINGS, self._bring)
+                    upload_button("Bring a drawing", _ENDINGS, self._bring, several=True)
             self._parts = ui.element().classes("parts")
             with ui.element().classes("line"):
                 self._make = ui.button("Make the survey", icon="how_to_vote", on_click=self._make_it)
