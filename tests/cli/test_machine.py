@@ -229,6 +229,7 @@ def test_every_key_is_listed(grbl: FakeGrbl, terminal: int) -> None:
     [
         (("sim",), "sim has its sheet in place and no pen to set; name a real machine: "),
         (("toaster",), "there is no machine 'toaster'; there are: "),
+        (("simplotter",), "there is no machine 'simplotter'; there are: "),
         (("grbl:/dev/null", "--size", "0x0mm"), "a side of the canvas is 0 mm"),
         (("grbl:/dev/null", "--servo", "up"), "--servo is 'up'; it must be two numbers"),
         (("grbl:/dev/null", "--easel", "none.json"), "none.json"),

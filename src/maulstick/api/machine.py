@@ -26,6 +26,7 @@ from maulstick.kinds import checked
 from maulstick.painting.painting import Painting
 from maulstick.painting.painting_file import write_painting
 from maulstick.robot.execute import PaintProgress
+from maulstick.robot.machines import check_spec
 from maulstick.robot.robot import Robot, StoppedError
 from maulstick.robot.routine import Prompt
 
@@ -84,6 +85,8 @@ def paint(
     with ExitStack() as stack:
         if isinstance(painting, Painting):
             if not asked.simulated:
+                if isinstance(robot, str):
+                    check_spec(robot)
                 raise InputError("a machine keeps a journal beside the painting; save the painting, and give its path")
             if resume:
                 raise InputError(

@@ -76,7 +76,7 @@ def machine(
         return
     if spec is None:
         raise InputError(f"name a machine: {machines.REAL_SPECS}; or add --log to list what each pen has drawn")
-    if spec.startswith("sim"):
+    if machines.is_simulated(spec):
         raise InputError(f"{spec} has its sheet in place and no pen to set; name a real machine: {machines.REAL_SPECS}")
     sides = None if size is None else parse_size(size)
     place = None if easel is None else read_easel(easel)

@@ -3,7 +3,7 @@
 from typing import Final
 
 from maulstick.errors import MaulstickError, Remedy, Wording
-from maulstick.robot.machines import FILE, kind_of
+from maulstick.robot.machines import FILE, is_simulated, kind_of
 
 MACHINES: Final = {
     "sim": "Simulated easel, as fast as it can",
@@ -20,7 +20,7 @@ MACHINES: Final = {
 
 PLANNED_FOR: Final = {
     "": "None yet: to look at",
-    **{kind: name for kind, name in MACHINES.items() if not kind.startswith("sim")},
+    **{kind: name for kind, name in MACHINES.items() if not is_simulated(kind)},
     FILE: "Another pen plotter, by a file",
 }
 """Names of the machines that a plan can be for, by kind."""

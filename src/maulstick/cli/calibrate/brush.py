@@ -102,7 +102,7 @@ def brush(
         tag=metres(tag, "--tag"),
     )
     options.check()
-    if robot.startswith("sim"):
+    if options.simulated:
         if camera is not None:
             raise InputError("the simulated easel has a camera of its own; leave out --camera")
     elif camera is None:

@@ -16,7 +16,7 @@ from maulstick.errors import InputError
 from maulstick.jobs.paint.machine_lock import machine_lock
 from maulstick.painting.raster import parse_size
 from maulstick.robot.easel import write_easel
-from maulstick.robot.machines import REAL_SPECS, machine
+from maulstick.robot.machines import REAL_SPECS, is_simulated, machine
 from maulstick.storage.folders import made_folder
 
 if TYPE_CHECKING:
@@ -44,7 +44,7 @@ def touch(
 
     Example: maulstick calibrate touch --robot xarm:192.168.1.5 --size 200x160mm --out easel.json
     """
-    if robot.startswith("sim"):
+    if is_simulated(robot):
         raise InputError(f"{robot} knows where its sheet lies, and shows no tip to take there; name a real machine")
     width, height = parse_size(size)
     check_absent(out, "--out", overwrite)

@@ -9,6 +9,7 @@ from pathlib import Path
 from maulstick.errors import InputError, OutputError, Remedy
 from maulstick.jobs.paint.options import PaintOptions
 from maulstick.robot.journal import Journal, begun_with, journal_of, locked, was_begun
+from maulstick.robot.machines import is_simulated
 
 
 def check_own(painting: Path) -> None:
@@ -32,7 +33,7 @@ def check_not_begun(painting: Path, options: PaintOptions, restart: bool) -> Non
 
 
 def _was_rehearsed(journal: Path) -> bool:
-    return str(Journal.read(journal).options.get("robot", "")).startswith("sim")
+    return is_simulated(str(Journal.read(journal).options.get("robot", "")))
 
 
 @contextmanager
