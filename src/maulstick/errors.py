@@ -37,6 +37,8 @@ class Remedy(Enum):
     SAME_MACHINE_OR_RESTART = "leave out robot, or start on a new sheet with restart=True"
     GO_ON = "then go on with paint(..., resume=True)"
     HOME = "home it with maulstick machine, or without switches turn it off and on with its pen at home"
+    FIND_HOME = "home it with maulstick machine"
+    PUT_HOME = "unplug power and USB, push the pen to its home corner, and plug both in again"
     UNLOCK = "home or unlock it with maulstick machine, then start again"
     NAME_PICTURE = "name it with picture=..."
     NAME_CAMERA = "name it with camera='usb:0', or 'folder:PATH'"
@@ -114,7 +116,11 @@ class Wording:
         fault = _MARK.sub(lambda mark: getattr(self, mark[1])(mark[2]), error.fault)
         if error.remedy is None:
             return fault
-        return f"{fault}; {self.remedies.get(error.remedy, error.remedy.value).format(**error.values)}"
+        return f"{fault}; {self.remedy(error.remedy).format(**error.values)}"
+
+    def remedy(self, remedy: Remedy) -> str:
+        """What to do, in this front end's words, with the names of values in braces."""
+        return self.remedies.get(remedy, remedy.value)
 
 
 PYTHON = Wording(str, str, {})

@@ -14,7 +14,7 @@ from pydantic import ValidationError
 
 from maulstick.api.warning import warn
 from maulstick.drawing.options import DrawingOptions
-from maulstick.errors import InputError, option, validation_fault
+from maulstick.errors import PYTHON, InputError, option, validation_fault
 from maulstick.jobs.paint import session
 from maulstick.jobs.paint.estimate import Estimate
 from maulstick.jobs.paint.operator import Operator
@@ -171,7 +171,7 @@ class _Callbacks(Operator):
     def ask(self, action: Prompt) -> None:
         """As in `Operator`."""
         with self.interruptible():
-            self._ask(action.message)
+            self._ask(action.told(PYTHON))
 
     def note(self, sentence: str) -> None:
         """As in `Operator`."""

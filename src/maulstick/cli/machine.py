@@ -15,7 +15,7 @@ from maulstick.cli.export import servo_of
 from maulstick.cli.keyboard import hang_up_as_ctrl_c, pressed_keys, unechoed
 from maulstick.cli.logbook import print_logbook
 from maulstick.cli.wording import COMMAND_LINE, stopped
-from maulstick.errors import InputError, MachineError, OutputError
+from maulstick.errors import InputError, MachineError, OutputError, Remedy
 from maulstick.jobs.paint.machine_lock import machine_lock
 from maulstick.painting.raster import parse_size
 from maulstick.robot import machines
@@ -23,7 +23,7 @@ from maulstick.robot.bench import Bench
 from maulstick.robot.easel import Easel, read_easel, write_easel
 from maulstick.robot.plotter import LockedError, LocksItself
 from maulstick.robot.robot import Robot
-from maulstick.robot.workplace import PUT_HOME, is_away
+from maulstick.robot.workplace import is_away
 
 _STEPS: Final = {"1": (1e-2, 0.05), "2": (1e-3, 0.01), "3": (1e-4, 0.002)}  # metres, and shares of a servo's range
 
@@ -134,7 +134,8 @@ class _Session:
         """Do what the keys say, until the operator leaves or switches the motors off."""
         if is_away(self.bench.robot):
             x, y = (1e3 * self.bench.robot.place[:2]).round(1) + 0.0
-            self.say(f"see that the pen stands at x {x:.1f}, y {y:.1f} mm (elsewhere: leave with q, {PUT_HOME})")
+            otherwise = COMMAND_LINE.remedy(Remedy.PUT_HOME)
+            self.say(f"see that the pen stands at x {x:.1f}, y {y:.1f} mm (elsewhere: leave with q, {otherwise})")
         self.console.print("arrow keys move; ? lists all keys; q leaves", soft_wrap=True)
         for key in keys:
             if key not in KEYS:

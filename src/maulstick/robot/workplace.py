@@ -2,10 +2,10 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from typing import Final
 
 import numpy as np
 
+from maulstick.errors import Remedy
 from maulstick.ordering.sequence import sequenced
 from maulstick.painting.painting import Painting
 from maulstick.robot.duration import timed
@@ -18,11 +18,6 @@ from maulstick.robot.routine import NOTHING, Action, PaintLoad, Prompt, routine
 from maulstick.robot.stops import Stops
 from maulstick.robot.tray import Tray, Well
 from maulstick.storage.arrays import Floats
-
-PUT_HOME: Final = "unplug power and USB, push the pen to its home corner, and plug both in again"
-"""What helps a machine that has lost count of its steps."""
-
-_FIND_HOME = "home it with maulstick machine"  # of one that finds its place at switches, which only a Grbl does
 
 _AT_HOME = 1e-4  # metres: covers rounding to steps or decimals
 
@@ -74,8 +69,8 @@ class Workplace:
             return []
         x, y, _ = self.easel.machine_to_canvas(robot.place).tolist()
         stands = f"{1e3 * x:.0f} mm from the left and {1e3 * y:.0f} mm from the upper edge of the sheet"
-        remedy = _FIND_HOME if robot.home is None else PUT_HOME
-        return [Prompt(f"see that the pen stands {stands} (elsewhere: stop, {remedy})", paint, renews=False)]
+        remedy = Remedy.FIND_HOME if robot.home is None else Remedy.PUT_HOME  # no home: it finds that by switches
+        return [Prompt(f"see that the pen stands {stands}", paint, renews=False, elsewhere=remedy)]
 
     def do(
         self, actions: list[Action], load: PaintLoad = NOTHING, enough: Callable[[int], bool] = lambda painted: False
