@@ -1,6 +1,6 @@
 """The workplace: the machine, the sheet before it, the journal of the painting and the operator."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -79,17 +79,10 @@ class Workplace:
 
         Prompts for a tool say how long it then draws.
         """
-        actions = [self._at_home(action) for action in timed(actions, self.robot.limits, self.robot.place)]
-        return execute(actions, self.robot, self.journal, self.ask, self.watch, self.pause, load, enough, self.pace)
-
-    def _at_home(self, action: Action) -> Action:
-        """Return the action; a plotter's pen is changed or refilled at home, unless another place is asked for."""
-        if not isinstance(action, Prompt) or not action.renews or action.aside or not self.robot.counts_steps:
-            return action
         # As this run began: before the first stroke of a further copy the tip stands over the sheet before it.
         home = home_of(self.robot) if self.journal.home is None else self.journal.home
-        x, y, z = home.tolist()
-        return replace(action, aside=(x, y, z))
+        actions = timed(at_home(actions, self.robot, home), self.robot.limits, self.robot.place)
+        return execute(actions, self.robot, self.journal, self.ask, self.watch, self.pause, load, enough, self.pace)
 
     def moved_to(self, easel: Easel) -> "Workplace":
         """Return the workplace with its sheet on another easel; the tray stays where it stands."""
@@ -109,6 +102,19 @@ class Workplace:
         height = float(np.clip(max(heights), lower[2], upper[2]))
         self.robot.lift(height)
         self.robot.move(np.clip([home[0], home[1], height], lower, upper))
+
+
+def at_home(actions: Sequence[Action], robot: Robot, home: Floats) -> list[Action]:
+    """Return the actions; a plotter's pen is changed or refilled at `home` (3,), unless another place is asked for."""
+    if not robot.counts_steps:
+        return list(actions)
+    x, y, z = home.tolist()
+    return [
+        replace(action, aside=(x, y, z))
+        if isinstance(action, Prompt) and action.renews and action.aside is None
+        else action
+        for action in actions
+    ]
 
 
 def is_away(robot: Robot) -> bool:

@@ -18,6 +18,7 @@ from maulstick.jobs.paintable import Paintable, is_svg, read_paintable, strokes_
 from maulstick.robot.journal import Journal, journal_of, latest_sheet
 from maulstick.robot.routine import NOTHING, PaintLoad
 from maulstick.robot.stops import UNKNOWN
+from maulstick.robot.workplace import at_home
 
 
 def rehearse(request: PaintRequest) -> Estimate:
@@ -94,9 +95,11 @@ def _to_go_on(sheet: PaintSheet, journal: Journal, setup: PaintSetup) -> PaintSh
 
 def _rehearsed(setup: PaintSetup, done: Collection[int], number: int, load: PaintLoad) -> Estimate:
     """Return the estimate of a run in which the strokes `done` of the sheet of that number are painted already."""
-    with machine_lock(setup.options.machine), setup.robot.connected():
+    robot, corner = setup.robot, setup.easel.canvas_to_machine(np.zeros(3))
+    with machine_lock(setup.options.machine), robot.connected():
         actions = actions_left(setup, done, load)
-    estimate = Estimate.of(actions, setup.plan, setup.robot.limits, setup.easel.canvas_to_machine(np.zeros(3)))
+        home = corner if robot.home is None else np.array([*robot.home, corner[2]])
+    estimate = Estimate.of(at_home(actions, robot, home), setup.plan, robot.limits, corner)
     return replace(estimate, more_sheets=max(setup.options.sheets - number, 0), notes=setup.notes)
 
 

@@ -20,7 +20,7 @@ from maulstick.robot.pace import STEP
 from maulstick.robot.robot import Robot, StoppedError
 from maulstick.robot.room import check_accepted
 from maulstick.robot.routine import NOTHING, Action, PaintLoad, Prompt, prompt_for, routine, ways_of
-from maulstick.robot.workplace import Workplace, home_of
+from maulstick.robot.workplace import Workplace, at_home, home_of
 from maulstick.storage.arrays import Floats
 
 
@@ -78,7 +78,7 @@ def paint_sheet(
             raise StoppedError
         robot = stack.enter_context(setup.robot)
         home = home_of(robot, before) if sheet.home is None else sheet.home
-        estimate = Estimate.of(actions, setup.plan, robot.limits, robot.place)
+        estimate = Estimate.of(at_home(actions, robot, home), setup.plan, robot.limits, robot.place)
         operator.expect(replace(estimate, more_sheets=max(setup.options.sheets - sheet.number, 0)))
         if not actions:
             return PaintSheet(sheet.number + 1, load=sheet.load, home=home)
