@@ -150,6 +150,15 @@ def test_a_grbl_says_that_its_motors_stay_on(grbl: FakeGrbl, terminal: int) -> N
     assert "by its setting $1" in ran.stderr
 
 
+def test_a_servo_takes_as_long_with_other_numbers(grbl: FakeGrbl, ebb: FakeEbb, terminal: int) -> None:
+    slow = Easel(corner=(0, 0.04, 0), right=(1, 0, 0), down=(0, -1, 0), pen=Pen(up=600, down=400, seconds=0.5))
+    write_easel(slow, "slow.json")
+    assert on(grbl, terminal, "wq", "--easel", "slow.json", *SERVO).code == 0
+    assert read_easel("easel.json").pen == Pen(up=700, down=500, seconds=0.5)
+    assert on(ebb, terminal, "wq", "--servo", "20000,15000", *SIZE, "--out", "ebb.json").code == 0
+    assert read_easel("ebb.json").pen == Pen(up=20000, down=15000, seconds=0.3), "the AxiDraw's own"
+
+
 def test_an_easel_that_cannot_be_written_loses_no_number_that_was_set(ebb: FakeEbb, terminal: int) -> None:
     ran = on(ebb, terminal, "+" + "w" + "1" + RIGHT + "q", *SIZE, "--out", "nowhere/easel.json")
     assert ran.code == 0

@@ -20,8 +20,8 @@ from maulstick.jobs.paint.machine_lock import machine_lock
 from maulstick.painting.raster import parse_size
 from maulstick.robot import machines
 from maulstick.robot.bench import Bench
-from maulstick.robot.easel import Easel, read_easel, write_easel
-from maulstick.robot.plotter import LockedError, LocksItself
+from maulstick.robot.easel import Easel, Pen, read_easel, write_easel
+from maulstick.robot.plotter import HasServo, LockedError, LocksItself
 from maulstick.robot.robot import Robot
 from maulstick.robot.workplace import is_away
 
@@ -80,10 +80,7 @@ def machine(
         raise InputError(f"{spec} has its sheet in place and no pen to set; name a real machine: {machines.REAL_SPECS}")
     sides = None if size is None else parse_size(size)
     place = None if easel is None else read_easel(easel)
-    pen = None if servo is None else servo_of(servo)
-    given = place
-    if pen is not None:  # a machine takes its servo's numbers from an easel
-        given = (place or Easel(corner=(0, 0, 0), right=(1, 0, 0), down=(0, -1, 0))).model_copy(update={"pen": pen})
+    given = place if servo is None else _with_servo(spec, place, servo_of(servo))
     if not sys.stdin.isatty():
         raise InputError("keys are needed to move the machine; run it in a terminal")
     console = Console(stderr=True, markup=False, highlight=False)
@@ -110,6 +107,14 @@ def machine(
         finally:
             if bench.changed:
                 session.say("the pen's new numbers or place are not written; w would have")
+
+
+def _with_servo(spec: str, place: Easel | None, pen: Pen) -> Easel:
+    """Return the easel, or any, from which the machine takes its servo's numbers; the servo takes as long as before."""
+    robot = machines.machine(spec, place)
+    if isinstance(robot, HasServo) and robot.pen is not None:
+        pen = pen.model_copy(update={"seconds": robot.pen.seconds})
+    return (place or Easel(corner=(0, 0, 0), right=(1, 0, 0), down=(0, -1, 0))).model_copy(update={"pen": pen})
 
 
 @dataclass
