@@ -16,7 +16,7 @@ from typer import Exit
 
 from maulstick.cli.exit_codes import STOPPED
 from maulstick.cli.wording import COMMAND_LINE, stopped
-from maulstick.errors import InputError, MachineError
+from maulstick.errors import InputError, MaulstickError
 from maulstick.jobs.paint.estimate import Estimate
 from maulstick.jobs.paint.operator import Operator
 from maulstick.jobs.paint.turns import in_minutes
@@ -74,7 +74,7 @@ class TerminalOperator(Operator):
         try:
             with self._bars:
                 yield
-        except (MachineError, KeyboardInterrupt) as error:
+        except (MaulstickError, KeyboardInterrupt) as error:
             self.say(f"{stopped(self.robot)}; {self._what_next}")
             if isinstance(error, StoppedError | KeyboardInterrupt) and self.stopped:
                 raise Exit(STOPPED) from None
