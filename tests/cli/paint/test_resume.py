@@ -187,6 +187,15 @@ def test_a_real_machine_begins_what_was_only_rehearsed(
     assert run("paint", painting, "--robot", "grbl:/dev/ttyUSB0").code == 2, "it is on paper now"
 
 
+def test_a_dry_run_says_of_a_painting_that_was_begun_what_the_run_would(calibrated: Path) -> None:
+    assert run("paint", calibrated).code == 0
+    refused = run("paint", calibrated)
+    assert (refused.code, "says that this painting was begun" in refused.mistake) == (2, True)
+    assert run("paint", calibrated, "--dry-run").mistake == refused.mistake
+    for words in (("--restart",), ("--resume",)):
+        assert run("paint", calibrated, "--dry-run", *words).code == 0
+
+
 def test_a_machine_that_counts_its_steps_asks_where_its_pen_stands_before_it_goes_on(
     calibrated: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

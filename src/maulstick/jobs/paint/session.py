@@ -8,7 +8,7 @@ import numpy as np
 
 from maulstick.errors import InputError, Remedy, option
 from maulstick.jobs.paint.estimate import Estimate
-from maulstick.jobs.paint.journals import check_not_begun, check_own
+from maulstick.jobs.paint.journals import check_free, check_not_begun, check_own
 from maulstick.jobs.paint.machine_lock import machine_lock
 from maulstick.jobs.paint.operator import Operator
 from maulstick.jobs.paint.request import PaintRequest
@@ -22,9 +22,13 @@ from maulstick.robot.workplace import at_home
 
 
 def rehearse(request: PaintRequest) -> Estimate:
-    """Return the estimate of a run without any motion; asks the machine for its limits. Raises what `paint` would."""
+    """Return the estimate of a run without any motion; asks the machine for its limits.
+
+    Raises what `paint` would before anything moves, but where another process paints the same: it writes nothing.
+    """
     if not request.resume:
         setup = PaintSetup.of(request.options, _plan_of(request), request.robot)
+        check_not_begun(request.painting, request.options, request.restart)
         return _rehearsed(setup, setup.first(request.from_stroke, request.from_pen), 1, NOTHING)
     with _reopened(request) as (setup, begun, journal):
         sheet = _to_go_on(begun, journal, setup)
@@ -47,6 +51,7 @@ def paint(
         setup = PaintSetup.of(request.options, _plan_of(request), request.robot)
         with machine_lock(request.options.machine):
             check_not_begun(request.painting, request.options, request.restart)
+            check_free(request.painting)  # before the machine is connected
             _paint_sheets(request, setup, PaintSheet(1), operator_for)
         return
     with _reopened(request) as (setup, sheet, journal), machine_lock(setup.options.machine):
