@@ -66,8 +66,8 @@ def paint(
     resume: go on where the journal ends; unfinished: whether the stroke that was under the brush then is painted.
     restart: start again on a new sheet.  from_stroke: the first stroke, counted from 1.  from_pen: the first time that
     a pen is put in, counted from 1. Strokes before count as painted.
-    progress: called a few times per second.  ask: called with what a person has to do, and returns once it is done;
-    by default a question on the terminal.
+    progress: called before each stroke, visit to the tray and question, and at the end.  ask: called with what a person
+    has to do, and returns once it is done; by default a question on the terminal.
     options: fields of `PaintOptions`, lengths in metres: easel, tray, speed, replan, camera, picture, view, tag,
     colours, pen, pause_at, refill_after, refill_at, copies; and drawing, the `DrawingOptions` by which an SVG is read,
     as in ``drawing={"hatch": "1mm"}``.
