@@ -133,6 +133,17 @@ def how_to_add(extra: str) -> str:
 
 
 @contextmanager
+def nothing_is_painted() -> Iterator[None]:
+    """Let errors that are raised meanwhile not say how to go on with a painting, which machines' faults else do."""
+    try:
+        yield
+    except MaulstickError as error:
+        if error.remedy is Remedy.GO_ON:
+            error.remedy = None
+        raise
+
+
+@contextmanager
 def needs_torch() -> Iterator[None]:
     """Raise InputError, which says how to install PyTorch, where what is imported meanwhile needs it and misses it."""
     try:

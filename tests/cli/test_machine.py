@@ -192,6 +192,13 @@ def test_ctrl_c_and_a_closed_keyboard_lift_the_pen(
     assert ("stopped, with the pen lifted" in ran.stderr) is (ran.code == 130)
 
 
+def test_a_cable_that_is_pulled_while_nothing_is_painted_leaves_nothing_to_go_on_with(terminal: int) -> None:
+    with FakeEbb(faults={5: "closed"}) as device:
+        ran = on(device, terminal, "b", *SIZE)
+    assert ran.code == 3
+    assert ran.stderr.rstrip().endswith("went silent; check cable and power")
+
+
 def test_a_terminal_that_is_closed_lifts_the_pen(grbl: FakeGrbl) -> None:
     terminal = Running("machine", f"grbl:{grbl.port}", *SERVO, keys=True)
     terminal.wait_for("lists all keys")

@@ -15,7 +15,7 @@ from maulstick.cli.export import servo_of
 from maulstick.cli.keyboard import hang_up_as_ctrl_c, pressed_keys, unechoed
 from maulstick.cli.logbook import print_logbook
 from maulstick.cli.wording import COMMAND_LINE, stopped
-from maulstick.errors import InputError, MachineError, OutputError, Remedy
+from maulstick.errors import InputError, MachineError, OutputError, Remedy, nothing_is_painted
 from maulstick.jobs.paint.machine_lock import machine_lock
 from maulstick.painting.raster import parse_size
 from maulstick.robot import machines
@@ -84,7 +84,7 @@ def machine(
     if not sys.stdin.isatty():
         raise InputError("keys are needed to move the machine; run it in a terminal")
     console = Console(stderr=True, markup=False, highlight=False)
-    with machine_lock(spec), unechoed(), hang_up_as_ctrl_c():
+    with machine_lock(spec), unechoed(), hang_up_as_ctrl_c(), nothing_is_painted():
         robot = machines.machine(spec, given)
         bench = Bench(robot, None if place is None else given, sides)
         session, keys = _Session(console, out, bench), pressed_keys()

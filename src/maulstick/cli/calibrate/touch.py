@@ -12,7 +12,7 @@ from rich.console import Console
 from maulstick.cli.folder import check_absent
 from maulstick.cli.keyboard import hang_up_as_ctrl_c, pressed_keys, unechoed
 from maulstick.cli.wording import COMMAND_LINE
-from maulstick.errors import InputError
+from maulstick.errors import InputError, nothing_is_painted
 from maulstick.jobs.paint.machine_lock import machine_lock
 from maulstick.painting.raster import parse_size
 from maulstick.robot.easel import write_easel
@@ -61,7 +61,14 @@ def touch(
     }
     keys = pressed_keys()
     folder = made_folder(out.parent)  # before the corners are touched
-    with folder, machine_lock(robot), unechoed(), hang_up_as_ctrl_c(), machine(robot, None) as arm:
+    with (
+        folder,
+        machine_lock(robot),
+        unechoed(),
+        hang_up_as_ctrl_c(),
+        nothing_is_painted(),
+        machine(robot, None) as arm,
+    ):
         if force and not isinstance(arm, FeelsForce):
             raise InputError(f"{robot} cannot feel the paper; leave out --force, and touch it by eye")
         easel = _touched(arm, keys, corners, console, force=force)

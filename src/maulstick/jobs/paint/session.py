@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from maulstick.errors import InputError, Remedy, option
+from maulstick.errors import InputError, Remedy, nothing_is_painted, option
 from maulstick.jobs.paint.estimate import Estimate
 from maulstick.jobs.paint.journals import check_free, check_not_begun, check_own
 from maulstick.jobs.paint.machine_lock import machine_lock
@@ -29,7 +29,8 @@ def rehearse(request: PaintRequest) -> Estimate:
     if not request.resume:
         setup = PaintSetup.of(request.options, _plan_of(request), request.robot)
         check_not_begun(request.painting, request.options, request.restart)
-        return _rehearsed(setup, setup.first(request.from_stroke, request.from_pen), 1, NOTHING)
+        with nothing_is_painted():
+            return _rehearsed(setup, setup.first(request.from_stroke, request.from_pen), 1, NOTHING)
     with _reopened(request) as (setup, begun, journal):
         sheet = _to_go_on(begun, journal, setup)
         return _rehearsed(setup, () if sheet.journal is None else journal.painted, sheet.number, sheet.load)
