@@ -197,16 +197,18 @@ def test_a_dry_run_says_of_a_painting_that_was_begun_what_the_run_would(calibrat
         assert run("paint", calibrated, "--dry-run", *words).code == 0
 
 
-def test_a_machine_that_fails_in_a_dry_run_leaves_nothing_to_go_on_with(
-    calibrated: Path, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize("words", [("--dry-run",), ()])
+def test_a_machine_that_fails_before_anything_is_painted_leaves_nothing_to_go_on_with(
+    calibrated: Path, monkeypatch: pytest.MonkeyPatch, words: tuple[str, ...]
 ) -> None:
     def lost(robot: Recorder) -> None:
         raise MachineError("the line went silent; check the cable", Remedy.GO_ON)
 
     monkeypatch.setattr(Recorder, "_connect", lost)
     monkeypatch.setattr("maulstick.jobs.paint.setup.machine", lambda spec, easel: Recorder())
-    ran = run("paint", calibrated, "--robot", "grbl:/dev/ttyUSB0", "--dry-run")
+    ran = run("paint", calibrated, "--robot", "grbl:/dev/ttyUSB0", *words)
     assert ran.mistake == "the line went silent; check the cable"
+    assert not journal_of(calibrated).exists()
 
 
 def test_a_machine_that_counts_its_steps_asks_where_its_pen_stands_before_it_goes_on(
