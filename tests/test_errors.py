@@ -7,10 +7,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from maulstick.cli.wording import COMMAND_LINE
-from maulstick.errors import InputError, MachineError, MaulstickError, OutputError, Remedy, machine, option
+from maulstick.errors import PYTHON, InputError, MachineError, MaulstickError, OutputError, Remedy, machine, option
 from maulstick.robot.plotter import LockedError
 from maulstick.robot.robot import StoppedError
-from maulstick.studio.wording import error_text
+from maulstick.robot.routine import Prompt
+from maulstick.studio.wording import error_text, prompt_text
 
 VALUES = {"speed": 0.04, "millimetres": "40"}
 
@@ -56,6 +57,16 @@ def test_the_page_does_not_speak_like_the_command_line(error: MaulstickError, he
         for word in ("--", "PORT", "PATH", "maulstick paint", "maulstick machine", "command line,")
         if word in sentence
     ] == []
+
+
+def test_a_pen_that_stands_elsewhere_is_homed_where_each_front_end_does_so() -> None:
+    prompt = Prompt("see that the pen stands here", 0, renews=False, elsewhere=Remedy.FIND_HOME)
+    assert prompt_text(prompt) == (
+        "see that the pen stands here (elsewhere: stop, home it under “Set the machine up by hand”)"
+    )
+    for wording in (COMMAND_LINE, PYTHON):
+        assert prompt.told(wording) == "see that the pen stands here (elsewhere: stop, home it with maulstick machine)"
+    assert prompt_text(Prompt("put in the marker", 0)) == "put in the marker"
 
 
 @given(st.text(), st.sampled_from([None, *Remedy]))

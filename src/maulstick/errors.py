@@ -37,6 +37,8 @@ class Remedy(Enum):
     SAME_MACHINE_OR_RESTART = "leave out robot, or start on a new sheet with restart=True"
     GO_ON = "then go on with paint(..., resume=True)"
     HOME = "home it with maulstick machine, or without switches turn it off and on with its pen at home"
+    FIND_HOME = "home it with maulstick machine"
+    PUT_HOME = "unplug power and USB, push the pen to its home corner, and plug both in again"
     UNLOCK = "home or unlock it with maulstick machine, then start again"
     NAME_PICTURE = "name it with picture=..."
     NAME_CAMERA = "name it with camera='usb:0', or 'folder:PATH'"
@@ -114,7 +116,11 @@ class Wording:
         fault = _MARK.sub(lambda mark: getattr(self, mark[1])(mark[2]), error.fault)
         if error.remedy is None:
             return fault
-        return f"{fault}; {self.remedies.get(error.remedy, error.remedy.value).format(**error.values)}"
+        return f"{fault}; {self.remedy(error.remedy).format(**error.values)}"
+
+    def remedy(self, remedy: Remedy) -> str:
+        """What to do, in this front end's words, with the names of values in braces."""
+        return self.remedies.get(remedy, remedy.value)
 
 
 PYTHON = Wording(str, str, {})
@@ -124,6 +130,17 @@ PYTHON = Wording(str, str, {})
 def how_to_add(extra: str) -> str:
     """Return what to do where a library of an extra is missing."""
     return f"add the extra {extra}: pip install '.[{extra}]' in Maulstick's source, or 'WHEEL[{extra}]'"
+
+
+@contextmanager
+def nothing_is_painted() -> Iterator[None]:
+    """Let errors that are raised meanwhile not say how to go on with a painting, which machines' faults else do."""
+    try:
+        yield
+    except MaulstickError as error:
+        if error.remedy is Remedy.GO_ON:
+            error.remedy = None
+        raise
 
 
 @contextmanager

@@ -378,6 +378,14 @@ def test_ways_to_begin_that_exclude_each_other_are_refused(
     assert [*tmp_path.iterdir()] == [tmp_path / "cat.json"]
 
 
+@pytest.mark.parametrize("spec", ["foo", "simplotter", "grbl"])
+def test_a_machine_that_there_is_not_is_told_before_the_file_that_one_would_want(
+    painting: ms.Painting, spec: str
+) -> None:
+    with pytest.raises(InputError, match="there are: sim, sim:pens, sim:real, grbl:"):
+        ms.paint(painting, robot=spec)
+
+
 def test_only_what_has_a_file_is_gone_on_with(painting: ms.Painting, tmp_path: Path) -> None:
     with pytest.raises(InputError, match="give the path of that file"):
         ms.paint(painting, resume=True)

@@ -12,7 +12,7 @@ from maulstick.brush_fit import fit as fitting
 from maulstick.brush_fit.fit import Fit
 from maulstick.brush_fit.trials import Trials
 from maulstick.calibration import collect as collecting
-from maulstick.errors import InputError, OutputError
+from maulstick.errors import InputError, MachineError, OutputError, Remedy
 from maulstick.jobs.paint.simulation import Simulation
 from maulstick.painting.brush import load_brush
 from maulstick.painting.painting_file import read_painting
@@ -110,6 +110,20 @@ def test_with_the_camera_plugged_in_again_the_same_words_go_on(
         )
     assert calibrate().code == 0
     assert drawn == dict.fromkeys(range(5), 1)
+
+
+def test_with_the_machine_mended_the_same_words_go_on_and_no_others(monkeypatch: pytest.MonkeyPatch) -> None:
+    def lost(robot: object, path: object, speed: object) -> None:
+        raise MachineError("the line went silent; check the cable", Remedy.GO_ON)
+
+    with monkeypatch.context() as patch:
+        patch.setattr("maulstick.robot.simulated.easel.SimulatedEasel._stroke", lost)
+        ran = calibrate()
+    assert ran.code == 3
+    assert ran.stderr.splitlines()[-2:] == [
+        "stopped, with the pen lifted; the same command goes on",
+        "maulstick: the line went silent; check the cable",
+    ]
 
 
 def test_a_machine_that_counts_its_steps_asks_where_its_pen_stands_before_it_goes_on(

@@ -150,6 +150,15 @@ def test_a_grbl_says_that_its_motors_stay_on(grbl: FakeGrbl, terminal: int) -> N
     assert "by its setting $1" in ran.stderr
 
 
+def test_a_servo_takes_as_long_with_other_numbers(grbl: FakeGrbl, ebb: FakeEbb, terminal: int) -> None:
+    slow = Easel(corner=(0, 0.04, 0), right=(1, 0, 0), down=(0, -1, 0), pen=Pen(up=600, down=400, seconds=0.5))
+    write_easel(slow, "slow.json")
+    assert on(grbl, terminal, "wq", "--easel", "slow.json", *SERVO).code == 0
+    assert read_easel("easel.json").pen == Pen(up=700, down=500, seconds=0.5)
+    assert on(ebb, terminal, "wq", "--servo", "20000,15000", *SIZE, "--out", "ebb.json").code == 0
+    assert read_easel("ebb.json").pen == Pen(up=20000, down=15000, seconds=0.3), "the AxiDraw's own"
+
+
 def test_an_easel_that_cannot_be_written_loses_no_number_that_was_set(ebb: FakeEbb, terminal: int) -> None:
     ran = on(ebb, terminal, "+" + "w" + "1" + RIGHT + "q", *SIZE, "--out", "nowhere/easel.json")
     assert ran.code == 0
@@ -181,6 +190,13 @@ def test_ctrl_c_and_a_closed_keyboard_lift_the_pen(
     assert ran.code == (130 if keys != "p" else 2)
     assert grbl.servo == 700
     assert ("stopped, with the pen lifted" in ran.stderr) is (ran.code == 130)
+
+
+def test_a_cable_that_is_pulled_while_nothing_is_painted_leaves_nothing_to_go_on_with(terminal: int) -> None:
+    with FakeEbb(faults={5: "closed"}) as device:
+        ran = on(device, terminal, "b", *SIZE)
+    assert ran.code == 3
+    assert ran.stderr.rstrip().endswith("went silent; check cable and power")
 
 
 def test_a_terminal_that_is_closed_lifts_the_pen(grbl: FakeGrbl) -> None:
@@ -229,6 +245,7 @@ def test_every_key_is_listed(grbl: FakeGrbl, terminal: int) -> None:
     [
         (("sim",), "sim has its sheet in place and no pen to set; name a real machine: "),
         (("toaster",), "there is no machine 'toaster'; there are: "),
+        (("simplotter",), "there is no machine 'simplotter'; there are: "),
         (("grbl:/dev/null", "--size", "0x0mm"), "a side of the canvas is 0 mm"),
         (("grbl:/dev/null", "--servo", "up"), "--servo is 'up'; it must be two numbers"),
         (("grbl:/dev/null", "--easel", "none.json"), "none.json"),

@@ -34,10 +34,14 @@ def one_by_one(actions: list[Action], limits: Limits, place: Floats) -> list[flo
 
     found = []
     for action in actions:
+        flat = np.array([1, 1, 1 if limits.varies_pressure else 0])
         if isinstance(action, Prompt):
-            found.append(0.0)
+            goes = action.aside is not None
+            aside = np.array(action.aside if goes else place)
+            found.append(limits.settling + straight(place * flat, aside * flat) if goes else 0.0)
+            place = aside
             continue
-        motion, flat = action.motion, np.array([1, 1, 1 if limits.varies_pressure else 0])
+        motion = action.motion
         seconds = straight(place * flat, motion.start * flat) + Profile.of(motion.path, motion.speed, limits).seconds
         seconds += 2 * (limits.lifting + limits.settling)
         if limits.varies_pressure:
@@ -49,12 +53,12 @@ def one_by_one(actions: list[Action], limits: Limits, place: Floats) -> list[flo
 
 @some.composite
 def any_actions(draw: some.DrawFn) -> list[Action]:
-    """Return strokes of 1 to 9 points, some of them repeated, and prompts between them."""
+    """Return strokes of 1 to 9 points, some of them repeated, and prompts between them, some of them aside."""
     rng = np.random.default_rng(draw(some.integers(0, 2**32 - 1)))
     actions: list[Action] = []
     for points in draw(some.lists(some.integers(0, 9), max_size=12)):
         if points == 0:
-            actions.append(Prompt("wait", 0))
+            actions.append(Prompt("wait", 0, aside=(0.3, 0.0, 0.03) if rng.random() < 0.5 else None))
             continue
         path = rng.uniform((0, 0, -0.002), (0.2, 0.2, 0), (points, 3))
         path[rng.random(points) < 0.2] = path[0]
@@ -85,7 +89,7 @@ def test_prompts_for_a_tool_know_all_seconds_until_the_next_one(actions: list[Ac
     for index, after in zip(asked, [*asked, len(actions)][1:], strict=True):
         prompt = known[index]
         assert isinstance(prompt, Prompt)
-        assert (prompt.seconds or 0.0) == pytest.approx(seconds[index:after].sum())
+        assert (prompt.seconds or 0.0) == pytest.approx(seconds[index + 1 : after].sum())
     assert [action for action in known if not isinstance(action, Prompt)] == [
         action for action in actions if not isinstance(action, Prompt)
     ]

@@ -24,6 +24,7 @@ ABOVE = np.array([0.05, -0.05, 0.005])
 ANGLES = np.linspace(0, 2 * np.pi, 32)
 CIRCLE = np.stack([0.05 + 0.02 * np.sin(ANGLES), -0.07 + 0.02 * np.cos(ANGLES), 0 * ANGLES], axis=1)
 SPEED = np.full(32, 0.04)
+VERSIONS = ("2.7.0", "2.8.1", "3.0.2")  # of firmware: the first cannot say whether its motors hold
 QUICK = 1.5  # seconds of patience, where it must end
 
 
@@ -92,8 +93,9 @@ def test_the_servo_gets_its_positions_and_its_time() -> None:
         assert robot.limits.lifting == PEN.seconds
 
 
-def test_it_knows_its_place_when_it_is_entered_again() -> None:
-    with FakeEbb() as device:
+@pytest.mark.parametrize("version", VERSIONS)
+def test_it_knows_its_place_when_it_is_entered_again(version: str) -> None:
+    with FakeEbb(version=version) as device:
         with AxiDraw(device.port, PEN) as robot:
             robot.move(ABOVE)
         with AxiDraw(device.port, PEN) as robot:
@@ -101,8 +103,9 @@ def test_it_knows_its_place_when_it_is_entered_again() -> None:
         assert device.commands.count("EM,1,1") == 1
 
 
-def test_a_pen_that_is_not_where_it_may_be_is_not_moved() -> None:
-    with FakeEbb(steps=(-4000, -4000)) as device:
+@pytest.mark.parametrize("version", VERSIONS)
+def test_a_pen_that_is_not_where_it_may_be_is_not_moved(version: str) -> None:
+    with FakeEbb(version=version, steps=(-4000, -4000)) as device:
         robot = AxiDraw(device.port, PEN)
         with pytest.raises(MachineError, match=r"plug them in at its home: the machine's x is -50 mm"):
             robot.__enter__()
@@ -304,8 +307,9 @@ def test_late_answers_only_take_longer() -> None:
         assert places_of([device.steps])[0] == pytest.approx(path[-1, :2])
 
 
-def test_a_stop_from_another_thread_halts_a_stroke_and_lifts_the_pen() -> None:
-    with FakeEbb(pace=1, steps=(8000, 0)) as device:  # at its place already
+@pytest.mark.parametrize("version", VERSIONS)
+def test_a_stop_from_another_thread_halts_a_stroke_and_lifts_the_pen(version: str) -> None:
+    with FakeEbb(version=version, pace=1, steps=(8000, 0)) as device:  # at its place already
         with AxiDraw(device.port, PEN) as robot:
 
             def is_under_way() -> bool:

@@ -6,6 +6,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from maulstick.errors import InputError
+from maulstick.robot.adapters.grbl_stream import BUFFER
 from maulstick.robot.easel import Easel, Pen
 from maulstick.robot.export.gcode import Dialect, Gcode
 from maulstick.robot.limits import SLACK, Limits
@@ -92,6 +93,22 @@ def test_a_name_is_no_time_that_marlin_waits_instead_of_for_a_person(name: str) 
     (line,) = Gcode("marlin", LIMITS).pause(f"put in the pen with the paint {name} #cc1a1a")
     assert re.search(r"[PS] *[-+.]?\d", line, re.IGNORECASE) is None
     assert line.replace(":", "").endswith(f"the paint {name} #cc1a1a")
+
+
+def test_a_message_keeps_its_letters_without_their_accents() -> None:
+    assert Gcode("grbl", LIMITS).pause("put in Blaugrün weiß, Éclat ½")[0] == "(put in Blaugrun weiss, Eclat)"
+
+
+LONG = "put in the copic-multiliner-0.35 with the paint deep ultramarine, a little green #12406f"
+
+
+def test_a_long_message_is_told_to_its_end() -> None:
+    *comments, stop = Gcode("grbl", LIMITS).pause(LONG)
+    assert (" ".join(comment[1:-1] for comment in comments), stop) == (LONG, "M0")
+    assert max(map(len, comments)) < BUFFER
+    comment, stop = Gcode("marlin", LIMITS).pause(LONG)
+    assert comment == f"; {LONG}"
+    assert stop == f"M0 {LONG[:57]}..."
 
 
 def test_no_letter_of_a_message_is_a_command() -> None:

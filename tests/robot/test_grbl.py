@@ -485,6 +485,12 @@ def test_a_port_that_is_absent_or_in_use_is_refused() -> None:
         entered(Grbl(device.port))
 
 
+@pytest.mark.parametrize("address", ["/dev/null", __file__])
+def test_what_is_no_serial_port_is_said_to_be_none(address: str) -> None:
+    with pytest.raises(InputError, match=rf"cannot open the port {address}: it is no serial port; is it plugged in"):
+        entered(Grbl(address))
+
+
 def test_a_baud_rate_comes_after_an_at_sign() -> None:
     with FakeGrbl() as device, Grbl(f"{device.port}@57600") as robot:
         assert robot.place[2] > 0

@@ -5,7 +5,7 @@ import pytest
 
 from maulstick.errors import InputError, MaulstickError
 from maulstick.robot.easel import Easel, Pen
-from maulstick.robot.machines import SPECS, machine, only_lifts
+from maulstick.robot.machines import SPECS, is_simulated, machine, only_lifts
 from maulstick.robot.robot import Robot
 from tests.support.robot.fake_grbl import FakeGrbl
 
@@ -15,6 +15,13 @@ def test_a_spec_that_names_no_machine_is_refused_with_those_that_do(spec: str) -
     with pytest.raises(InputError) as caught:
         machine(spec, None)
     assert str(caught.value) == f"there is no machine {spec!r}; there are: {SPECS}"
+
+
+def test_a_machine_is_no_simulation_because_its_name_begins_as_one_s_does() -> None:
+    assert [is_simulated(spec) for spec in ("sim", "sim:pens", "sim:real", "simplotter", "simplotter:1")] == [
+        *3 * [True],
+        *2 * [False],
+    ]
 
 
 @pytest.mark.parametrize("spec", ["grbl", "grbl:", "xarm", "franka:", "ur"])
@@ -34,7 +41,7 @@ def test_a_plotter_is_not_connected_before_it_is_entered(spec: str) -> None:
 
 def test_all_specs_but_the_simulators_name_machines() -> None:
     for spec in SPECS.split(", "):
-        if not spec.startswith("sim"):
+        if not is_simulated(spec):
             assert isinstance(machine(spec.replace("IP", "192.0.2.1"), None), Robot)
 
 

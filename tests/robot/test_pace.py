@@ -13,7 +13,7 @@ from maulstick.robot.execute import PaintProgress, execute
 from maulstick.robot.journal import Journal, journal_of
 from maulstick.robot.limits import Limits
 from maulstick.robot.pace import Pace
-from maulstick.robot.routine import Draw, routine
+from maulstick.robot.routine import Draw, Prompt, routine
 from tests.support.robot.fake_grbl import FakeGrbl
 from tests.support.robot.recorder import EASEL, LIMITS, Recorder
 from tests.support.robot.small_paintings import line, painting_of
@@ -68,6 +68,17 @@ def test_strokes_are_drawn_at_the_pace_from_the_next_one_on_and_what_is_left_fol
     halved = seconds_of(routine(TEN, EASEL, LIMITS, speed=0.01), LIMITS, place)
     assert seen[4] == pytest.approx(halved[4:].sum(), rel=1e-6)
     assert seen[-1] == 0
+
+
+def test_a_pen_that_is_changed_aside_is_counted_from_there_at_any_pace() -> None:
+    far = (0.2, 0.1, 0.03)
+    (planned, *_), (halved, *_) = (routine(TEN, EASEL, LIMITS, speed=speed) for speed in (0.02, 0.01))
+    actions = [planned, Prompt("change the pen", 0, aside=far), planned]
+    seconds = seconds_of(actions, LIMITS, np.array(far))
+    pace = Pace(Recorder())
+    pace.change(-5)
+    slower = float(seconds_of([halved], LIMITS, np.array(far))[0])
+    assert pace.share_of_time(actions, seconds, 2) == pytest.approx(slower / seconds[2])
 
 
 def until(override: int, device: FakeGrbl, robot: Grbl) -> None:

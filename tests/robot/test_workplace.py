@@ -4,13 +4,20 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from maulstick.api.machine import paint
+from maulstick.jobs.paint.options import PaintOptions
+from maulstick.jobs.paint.request import PaintRequest
+from maulstick.jobs.paint.session import rehearse
 from maulstick.painting.painting_file import write_painting
+from maulstick.robot.adapters.axidraw import V3
+from maulstick.robot.execute import PaintProgress
 from maulstick.robot.journal import Journal, journal_of
 from maulstick.robot.routine import Draw, PaintLoad, Prompt
 from maulstick.robot.stops import Stops
 from maulstick.robot.workplace import Workplace, home_of
+from tests.support.robot.fake_ebb import FakeEbb
 from tests.support.robot.recorder import EASEL, Recorder
-from tests.support.robot.small_paintings import SIX
+from tests.support.robot.small_paintings import SIX, line, painting_of
 from tests.support.robot.trays import TRAY
 from tests.support.tolerances import FLOAT64_METRES_NEAR
 
@@ -49,6 +56,19 @@ def test_with_all_painted_there_is_nothing_to_order_and_nothing_to_do(place: Wor
     with place.robot:
         assert place.in_order(SIX) == SIX
         assert place.do(place.left_of(SIX), PaintLoad(1, 0.02)) == PaintLoad(1, 0.02)
+
+
+def test_a_dry_run_counts_the_ways_home_for_other_pens_as_the_run_does(tmp_path: Path) -> None:
+    for pens in (1, 2):
+        far = (line(i, (0.2, 0.1 + 0.005 * i), (0.25, 0.1 + 0.005 * i), paint=i * pens // 6) for i in range(6))
+        write_painting(painting_of(far, size=(0.29, 0.2)), tmp_path / f"{pens}.json")
+    seen: list[PaintProgress] = []
+    with FakeEbb(pace=1000.0) as device:
+        options = PaintOptions(robot=f"axidraw:{device.port}")
+        one, two = (rehearse(PaintRequest(tmp_path / f"{pens}.json", options)) for pens in (1, 2))
+        paint(tmp_path / "2.json", options.machine, progress=seen.append, ask=lambda message: None)
+    assert two.seconds > one.seconds + 2 * 0.2 / V3.speed
+    assert two.seconds == pytest.approx(seen[0].left)
 
 
 @pytest.mark.parametrize("is_plotter", [True, False])

@@ -14,7 +14,7 @@ from pydantic import ValidationError
 
 from maulstick.api.warning import warn
 from maulstick.drawing.options import DrawingOptions
-from maulstick.errors import InputError, option, validation_fault
+from maulstick.errors import PYTHON, InputError, option, validation_fault
 from maulstick.jobs.paint import session
 from maulstick.jobs.paint.estimate import Estimate
 from maulstick.jobs.paint.operator import Operator
@@ -26,6 +26,7 @@ from maulstick.kinds import checked
 from maulstick.painting.painting import Painting
 from maulstick.painting.painting_file import write_painting
 from maulstick.robot.execute import PaintProgress
+from maulstick.robot.machines import check_spec
 from maulstick.robot.robot import Robot, StoppedError
 from maulstick.robot.routine import Prompt
 
@@ -65,8 +66,8 @@ def paint(
     resume: go on where the journal ends; unfinished: whether the stroke that was under the brush then is painted.
     restart: start again on a new sheet.  from_stroke: the first stroke, counted from 1.  from_pen: the first time that
     a pen is put in, counted from 1. Strokes before count as painted.
-    progress: called a few times per second.  ask: called with what a person has to do, and returns once it is done;
-    by default a question on the terminal.
+    progress: called before each stroke, visit to the tray and question, and at the end.  ask: called with what a person
+    has to do, and returns once it is done; by default a question on the terminal.
     options: fields of `PaintOptions`, lengths in metres: easel, tray, speed, replan, camera, picture, view, tag,
     colours, pen, pause_at, refill_after, refill_at, copies; and drawing, the `DrawingOptions` by which an SVG is read,
     as in ``drawing={"hatch": "1mm"}``.
@@ -84,6 +85,8 @@ def paint(
     with ExitStack() as stack:
         if isinstance(painting, Painting):
             if not asked.simulated:
+                if isinstance(robot, str):
+                    check_spec(robot)
                 raise InputError("a machine keeps a journal beside the painting; save the painting, and give its path")
             if resume:
                 raise InputError(
@@ -168,7 +171,7 @@ class _Callbacks(Operator):
     def ask(self, action: Prompt) -> None:
         """As in `Operator`."""
         with self.interruptible():
-            self._ask(action.message)
+            self._ask(action.told(PYTHON))
 
     def note(self, sentence: str) -> None:
         """As in `Operator`."""

@@ -15,15 +15,15 @@ from maulstick.cli.export import servo_of
 from maulstick.cli.keyboard import hang_up_as_ctrl_c, pressed_keys, unechoed
 from maulstick.cli.logbook import print_logbook
 from maulstick.cli.wording import COMMAND_LINE, stopped
-from maulstick.errors import InputError, MachineError, OutputError
+from maulstick.errors import InputError, MachineError, OutputError, Remedy, nothing_is_painted
 from maulstick.jobs.paint.machine_lock import machine_lock
 from maulstick.painting.raster import parse_size
 from maulstick.robot import machines
 from maulstick.robot.bench import Bench
-from maulstick.robot.easel import Easel, read_easel, write_easel
-from maulstick.robot.plotter import LockedError, LocksItself
+from maulstick.robot.easel import Easel, Pen, read_easel, write_easel
+from maulstick.robot.plotter import HasServo, LockedError, LocksItself
 from maulstick.robot.robot import Robot
-from maulstick.robot.workplace import PUT_HOME, is_away
+from maulstick.robot.workplace import is_away
 
 _STEPS: Final = {"1": (1e-2, 0.05), "2": (1e-3, 0.01), "3": (1e-4, 0.002)}  # metres, and shares of a servo's range
 
@@ -76,18 +76,15 @@ def machine(
         return
     if spec is None:
         raise InputError(f"name a machine: {machines.REAL_SPECS}; or add --log to list what each pen has drawn")
-    if spec.startswith("sim"):
+    if machines.is_simulated(spec):
         raise InputError(f"{spec} has its sheet in place and no pen to set; name a real machine: {machines.REAL_SPECS}")
     sides = None if size is None else parse_size(size)
     place = None if easel is None else read_easel(easel)
-    pen = None if servo is None else servo_of(servo)
-    given = place
-    if pen is not None:  # a machine takes its servo's numbers from an easel
-        given = (place or Easel(corner=(0, 0, 0), right=(1, 0, 0), down=(0, -1, 0))).model_copy(update={"pen": pen})
+    given = place if servo is None else _with_servo(spec, place, servo_of(servo))
     if not sys.stdin.isatty():
         raise InputError("keys are needed to move the machine; run it in a terminal")
     console = Console(stderr=True, markup=False, highlight=False)
-    with machine_lock(spec), unechoed(), hang_up_as_ctrl_c():
+    with machine_lock(spec), unechoed(), hang_up_as_ctrl_c(), nothing_is_painted():
         robot = machines.machine(spec, given)
         bench = Bench(robot, None if place is None else given, sides)
         session, keys = _Session(console, out, bench), pressed_keys()
@@ -112,6 +109,14 @@ def machine(
                 session.say("the pen's new numbers or place are not written; w would have")
 
 
+def _with_servo(spec: str, place: Easel | None, pen: Pen) -> Easel:
+    """Return the easel, or any, from which the machine takes its servo's numbers; the servo takes as long as before."""
+    robot = machines.machine(spec, place)
+    if isinstance(robot, HasServo) and robot.pen is not None:
+        pen = pen.model_copy(update={"seconds": robot.pen.seconds})
+    return (place or Easel(corner=(0, 0, 0), right=(1, 0, 0), down=(0, -1, 0))).model_copy(update={"pen": pen})
+
+
 @dataclass
 class _Session:
     """Keys that are pressed, and what the machine does then.
@@ -134,7 +139,8 @@ class _Session:
         """Do what the keys say, until the operator leaves or switches the motors off."""
         if is_away(self.bench.robot):
             x, y = (1e3 * self.bench.robot.place[:2]).round(1) + 0.0
-            self.say(f"see that the pen stands at x {x:.1f}, y {y:.1f} mm (elsewhere: leave with q, {PUT_HOME})")
+            otherwise = COMMAND_LINE.remedy(Remedy.PUT_HOME)
+            self.say(f"see that the pen stands at x {x:.1f}, y {y:.1f} mm (elsewhere: leave with q, {otherwise})")
         self.console.print("arrow keys move; ? lists all keys; q leaves", soft_wrap=True)
         for key in keys:
             if key not in KEYS:

@@ -8,15 +8,19 @@ import numpy as np
 from maulstick.robot.limits import Limits
 from maulstick.robot.routine import Action, Draw, Motion, Prompt
 from maulstick.robot.timing import seconds_of_paths
-from maulstick.storage.arrays import Floats
+from maulstick.storage.arrays import Bools, Floats
 
 
 def seconds_of(actions: Sequence[Action], limits: Limits, place: Floats) -> Floats:
-    """Return the seconds (k,) that each action takes from a tip at `place` (3,), metres; prompts count as 0."""
+    """Return the seconds (k,) that each action takes from a tip at `place` (3,), metres.
+
+    Of a prompt, that is the way to its place aside, if any.
+    """
     seconds = np.zeros(len(actions))
-    moving = [index for index, action in enumerate(actions) if not isinstance(action, Prompt)]
+    moving = [index for index, action in enumerate(actions) if not isinstance(action, Prompt) or action.aside]
     if moving:
-        seconds[moving] = _seconds([a.motion for a in actions if not isinstance(a, Prompt)], limits, place)
+        draws = np.array([not isinstance(actions[index], Prompt) for index in moving])
+        seconds[moving] = _seconds([_motion_of(actions[index]) for index in moving], draws, limits, place)
     return seconds
 
 
@@ -33,17 +37,28 @@ def timed(actions: Sequence[Action], limits: Limits, place: Floats) -> list[Acti
     known: list[Action] = []
     left = 0.0
     for action, seconds in zip(reversed(actions), reversed(seconds_of(actions, limits, place).tolist()), strict=True):
-        left += seconds
         if isinstance(action, Prompt) and action.renews:
             known.append(replace(action, seconds=left or None))
             left = 0.0
         else:
             known.append(action)
+            left += seconds
     return known[::-1]
 
 
-def _seconds(motions: Sequence[Motion], limits: Limits, place: Floats) -> Floats:
-    """Return the seconds (k,) of motions one after another: over to each, down, along it, and up again."""
+def _motion_of(action: Action) -> Motion:
+    """Return the motion of an action; of a prompt, one of no length at its place aside."""
+    if not isinstance(action, Prompt):
+        return action.motion
+    assert action.aside is not None
+    return Motion(np.array([action.aside]), np.ones(1), above=action.aside[2], after=action.aside[2])
+
+
+def _seconds(motions: Sequence[Motion], draws: Bools, limits: Limits, place: Floats) -> Floats:
+    """Return the seconds (k,) of motions one after another: over to each, down, along it, and up again.
+
+    draws: (k,) whether the tip is lowered; where not, it only goes there.
+    """
     counts = np.array([len(motion.path) for motion in motions])
     starts = np.concatenate([[0], np.cumsum(counts)[:-1]])
     path = np.concatenate([motion.path for motion in motions])
@@ -53,14 +68,14 @@ def _seconds(motions: Sequence[Motion], limits: Limits, place: Floats) -> Floats
     begins[:, 2], ends[:, 2] = above, after
     over = begins - np.concatenate([place[None], ends[:-1]])
     along = seconds_of_paths(path, np.concatenate([motion.speed for motion in motions]), starts, limits)
-    seconds = along + 2 * limits.settling + 2 * limits.lifting
+    seconds = along + np.where(draws, 2 * limits.settling + 2 * limits.lifting, limits.settling)
     if not limits.varies_pressure:
         over[:, 2] = 0.0  # its height is not a distance
         return np.asarray(seconds + _straight(over, limits))
     heights = np.zeros((2, len(motions), 3))
     heights[:, :, 2] = above - first[:, 2], after - last[:, 2]
     lowering, raising = (_straight(each, limits) for each in heights)
-    seconds += limits.settling  # of the way up; a pen that is only lifted moves no motor
+    seconds += draws * limits.settling  # of the way up; a pen that is only lifted moves no motor
     return np.asarray(seconds + _straight(over, limits) + lowering + raising)
 
 

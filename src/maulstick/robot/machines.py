@@ -17,6 +17,7 @@ SPECS: Final = f"sim, sim:pens, sim:real, {REAL_SPECS}"
 FILE: Final = "hpgl"
 """Kind of any pen plotter that is not driven, but draws a file: none that `machine` makes."""
 
+_SIMULATED = "sim"
 _LIFT_ONLY = ("grbl", "axidraw", FILE)  # a Grbl counts as one with a servo, since its easel is not known yet
 
 
@@ -25,29 +26,40 @@ def kind_of(spec: str) -> str:
     return spec.partition(":")[0]
 
 
+def is_simulated(spec: str) -> bool:
+    """Return whether a spec names the simulated easel, at whatever pace: no machine that `machine` makes."""
+    return kind_of(spec) == _SIMULATED
+
+
 def only_lifts(spec: str) -> bool:
     """Return whether machines of a kind only lift their pen, as far as that is known before one is connected.
 
     spec: of a machine, or only the kind that it begins with. Raises InputError where there is no such kind.
     """
     kind = kind_of(spec)
-    kinds = ("sim", *_MACHINES, FILE)
+    kinds = (_SIMULATED, *_MACHINES, FILE)
     if kind not in kinds:
         raise InputError.of_choice("machine", spec, kinds)
     return kind in _LIFT_ONLY
 
 
-def machine(spec: str, easel: Easel | None) -> Robot:
-    """Return the machine that the spec names, not yet connected; the easel may narrow its limits.
-
-    Raises InputError for a spec that names none, and where what drives that machine is not installed.
-    """
+def check_spec(spec: str) -> None:
+    """Raise InputError for a spec that names no machine that `machine` makes, or does not say where it is."""
     name, _, address = spec.partition(":")
-    limits = None if easel is None else easel.limits
     if name not in _MACHINES:
         raise InputError(f"there is no machine {spec!r}; there are: {SPECS}")
     if not address and name != "axidraw":
         raise InputError(f"{spec!r} does not say where the machine is; there are: {SPECS}")
+
+
+def machine(spec: str, easel: Easel | None) -> Robot:
+    """Return the machine that the spec names, not yet connected; the easel may narrow its limits.
+
+    Raises InputError as `check_spec`, and where what drives that machine is not installed.
+    """
+    check_spec(spec)
+    name, _, address = spec.partition(":")
+    limits = None if easel is None else easel.limits
     return _MACHINES[name](address, easel, limits)
 
 

@@ -64,7 +64,7 @@ class Pace:
                 continue
             if isinstance(action, Draw):
                 action = replace(action, motion=_scaled(action.motion, self.percent, limits))
-            start = action.motion.start if isinstance(before, Prompt) else _end(before.motion)
+            start = _end(before, action.motion.start)
             planned += float(seconds[i])
             paced += float(seconds_of([action], limits, start)[0])
         return paced / planned if planned > 0 else 1.0
@@ -75,6 +75,8 @@ def _scaled(motion: Motion, percent: int, limits: Limits) -> Motion:
     return replace(motion, speed=(motion.speed * (percent / 100)).clip(max=limits.speed)) if percent != 100 else motion
 
 
-def _end(motion: Motion) -> Floats:
-    """Return the place (3,) of the tip after a motion, lifted, metres."""
-    return np.array([*motion.path[-1, :2], motion.after])
+def _end(action: Action, place: Floats) -> Floats:
+    """Return the place (3,) of the lifted tip after an action, metres; `place` where a prompt leaves it."""
+    if isinstance(action, Prompt):
+        return place if action.aside is None else np.array(action.aside)
+    return action.motion.end

@@ -7,7 +7,7 @@ from typing import Final, Literal
 
 import numpy as np
 
-from maulstick.errors import InputError, Remedy
+from maulstick.errors import InputError, Remedy, Wording
 from maulstick.painting.brush import Brush
 from maulstick.painting.painting import Painting, Stroke
 from maulstick.painting.refined import refined
@@ -77,6 +77,7 @@ class Prompt:
     """Action of the operator, with the tip above a place `aside`; where it `renews`, the tool is full afterwards.
 
     seconds: for which the tool then draws, until the next prompt that renews it; None where that is not known.
+    elsewhere: what helps once they have stopped, where what they are to see is not so.
     """
 
     message: str
@@ -84,6 +85,13 @@ class Prompt:
     renews: bool = True
     aside: Point | None = None
     seconds: float | None = None
+    elsewhere: Remedy | None = None
+
+    def told(self, wording: Wording) -> str:
+        """Return all that the operator is told to do, in the words of a front end."""
+        if self.elsewhere is None:
+            return self.message
+        return f"{self.message} (elsewhere: stop, {wording.remedy(self.elsewhere)})"
 
 
 Action = Draw | TrayVisit | Prompt

@@ -1,11 +1,11 @@
 """The workplace: the machine, the sheet before it, the journal of the painting and the operator."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Final
 
 import numpy as np
 
+from maulstick.errors import Remedy
 from maulstick.ordering.sequence import sequenced
 from maulstick.painting.painting import Painting
 from maulstick.robot.duration import timed
@@ -18,11 +18,6 @@ from maulstick.robot.routine import NOTHING, Action, PaintLoad, Prompt, routine
 from maulstick.robot.stops import Stops
 from maulstick.robot.tray import Tray, Well
 from maulstick.storage.arrays import Floats
-
-PUT_HOME: Final = "unplug power and USB, push the pen to its home corner, and plug both in again"
-"""What helps a machine that has lost count of its steps."""
-
-_FIND_HOME = "home it with maulstick machine"  # of one that finds its place at switches, which only a Grbl does
 
 _AT_HOME = 1e-4  # metres: covers rounding to steps or decimals
 
@@ -74,8 +69,8 @@ class Workplace:
             return []
         x, y, _ = self.easel.machine_to_canvas(robot.place).tolist()
         stands = f"{1e3 * x:.0f} mm from the left and {1e3 * y:.0f} mm from the upper edge of the sheet"
-        remedy = _FIND_HOME if robot.home is None else PUT_HOME
-        return [Prompt(f"see that the pen stands {stands} (elsewhere: stop, {remedy})", paint, renews=False)]
+        remedy = Remedy.FIND_HOME if robot.home is None else Remedy.PUT_HOME  # no home: it finds that by switches
+        return [Prompt(f"see that the pen stands {stands}", paint, renews=False, elsewhere=remedy)]
 
     def do(
         self, actions: list[Action], load: PaintLoad = NOTHING, enough: Callable[[int], bool] = lambda painted: False
@@ -84,17 +79,10 @@ class Workplace:
 
         Prompts for a tool say how long it then draws.
         """
-        actions = [self._at_home(action) for action in timed(actions, self.robot.limits, self.robot.place)]
-        return execute(actions, self.robot, self.journal, self.ask, self.watch, self.pause, load, enough, self.pace)
-
-    def _at_home(self, action: Action) -> Action:
-        """Return the action; a plotter's pen is changed or refilled at home, unless another place is asked for."""
-        if not isinstance(action, Prompt) or not action.renews or action.aside or not self.robot.counts_steps:
-            return action
         # As this run began: before the first stroke of a further copy the tip stands over the sheet before it.
         home = home_of(self.robot) if self.journal.home is None else self.journal.home
-        x, y, z = home.tolist()
-        return replace(action, aside=(x, y, z))
+        actions = timed(at_home(actions, self.robot, home), self.robot.limits, self.robot.place)
+        return execute(actions, self.robot, self.journal, self.ask, self.watch, self.pause, load, enough, self.pace)
 
     def moved_to(self, easel: Easel) -> "Workplace":
         """Return the workplace with its sheet on another easel; the tray stays where it stands."""
@@ -114,6 +102,19 @@ class Workplace:
         height = float(np.clip(max(heights), lower[2], upper[2]))
         self.robot.lift(height)
         self.robot.move(np.clip([home[0], home[1], height], lower, upper))
+
+
+def at_home(actions: Sequence[Action], robot: Robot, home: Floats) -> list[Action]:
+    """Return the actions; a plotter's pen is changed or refilled at `home` (3,), unless another place is asked for."""
+    if not robot.counts_steps:
+        return list(actions)
+    x, y, z = home.tolist()
+    return [
+        replace(action, aside=(x, y, z))
+        if isinstance(action, Prompt) and action.renews and action.aside is None
+        else action
+        for action in actions
+    ]
 
 
 def is_away(robot: Robot) -> bool:

@@ -1,9 +1,12 @@
 """Wording of the studio's page: names of machines and options, and texts of errors."""
 
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from maulstick.errors import MaulstickError, Remedy, Wording
-from maulstick.robot.machines import FILE, kind_of
+from maulstick.robot.machines import FILE, is_simulated, kind_of
+
+if TYPE_CHECKING:
+    from maulstick.robot.routine import Prompt
 
 MACHINES: Final = {
     "sim": "Simulated easel, as fast as it can",
@@ -20,7 +23,7 @@ MACHINES: Final = {
 
 PLANNED_FOR: Final = {
     "": "None yet: to look at",
-    **{kind: name for kind, name in MACHINES.items() if not kind.startswith("sim")},
+    **{kind: name for kind, name in MACHINES.items() if not is_simulated(kind)},
     FILE: "Another pen plotter, by a file",
 }
 """Names of the machines that a plan can be for, by kind."""
@@ -66,6 +69,11 @@ def error_text(error: MaulstickError) -> str:
     return _PAGE.say(error)
 
 
+def prompt_text(prompt: "Prompt") -> str:
+    """Return what a machine asks its operator for, in the words of the page."""
+    return prompt.told(_PAGE)
+
+
 _OPTIONS: Final = {
     "speed": "the speed",
     "replan": "the number of strokes between two looks",
@@ -90,6 +98,7 @@ _PAGE: Final = Wording(
         Remedy.SAME_MACHINE_OR_RESTART: f"choose that machine, or “{RESTART_LABEL}”",
         Remedy.GO_ON: "then “Go on where it stopped”",
         Remedy.HOME: f"“{BY_HAND_LABEL}” homes it; without switches turn it off and on with its pen at home",
+        Remedy.FIND_HOME: f"home it under “{BY_HAND_LABEL}”",
         Remedy.UNLOCK: f"“{BY_HAND_LABEL}” homes or unlocks it; then start again",
         Remedy.NAME_PICTURE: "choose a plan of a picture, or no camera",
         Remedy.NAME_CAMERA: "choose one",

@@ -54,6 +54,21 @@ def test_where_nobody_changes_pens_nothing_is_drawn(
     assert painted(painting) == []
 
 
+def test_where_nobody_changes_a_pen_on_the_way_it_is_said_how_to_go_on(
+    painting: Path, recorder: Recorder, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    answers(monkeypatch, "\n")
+    ran = run("paint", painting, "--robot", "grbl:/dev/ttyUSB0")
+    assert ran.code == 2
+    assert ran.stderr.splitlines()[-2:] == [
+        f"stopped, with the pen lifted; maulstick paint {painting} --resume goes on",
+        f"maulstick: nobody is there to put in the marker with the paint {HEXES[1]}; run it in a terminal",
+    ]
+    answers(monkeypatch, "\n\n")
+    assert run("paint", painting, "--resume").code == 0
+    assert sorted(painted(painting)) == ALL
+
+
 class Interrupting(io.StringIO):
     """A person who presses Ctrl-C when they are asked for the Nth time."""
 

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from maulstick.errors import MachineError, Remedy
 from maulstick.painting.painting_file import write_painting
 from maulstick.painting.svg import painting_svg
 from maulstick.robot.easel import Easel
@@ -185,6 +186,29 @@ def test_a_real_machine_begins_what_was_only_rehearsed(
     assert sorted(painted(painting)) == ALL
     assert (painting.parent / "painting.run1" / journal_of(painting).name).is_file()
     assert run("paint", painting, "--robot", "grbl:/dev/ttyUSB0").code == 2, "it is on paper now"
+
+
+def test_a_dry_run_says_of_a_painting_that_was_begun_what_the_run_would(calibrated: Path) -> None:
+    assert run("paint", calibrated).code == 0
+    refused = run("paint", calibrated)
+    assert (refused.code, "says that this painting was begun" in refused.mistake) == (2, True)
+    assert run("paint", calibrated, "--dry-run").mistake == refused.mistake
+    for words in (("--restart",), ("--resume",)):
+        assert run("paint", calibrated, "--dry-run", *words).code == 0
+
+
+@pytest.mark.parametrize("words", [("--dry-run",), ()])
+def test_a_machine_that_fails_before_anything_is_painted_leaves_nothing_to_go_on_with(
+    calibrated: Path, monkeypatch: pytest.MonkeyPatch, words: tuple[str, ...]
+) -> None:
+    def lost(robot: Recorder) -> None:
+        raise MachineError("the line went silent; check the cable", Remedy.GO_ON)
+
+    monkeypatch.setattr(Recorder, "_connect", lost)
+    monkeypatch.setattr("maulstick.jobs.paint.setup.machine", lambda spec, easel: Recorder())
+    ran = run("paint", calibrated, "--robot", "grbl:/dev/ttyUSB0", *words)
+    assert ran.mistake == "the line went silent; check the cable"
+    assert not journal_of(calibrated).exists()
 
 
 def test_a_machine_that_counts_its_steps_asks_where_its_pen_stands_before_it_goes_on(

@@ -38,7 +38,7 @@ class Motion:
 
 @dataclass
 class FakeEbb:
-    """Board that answers as the documentation of firmware 2.x says, until a fault.
+    """Board that answers as the documentation of its firmware, 2.x or 3.x, says, until a fault.
 
     faults[n] happens instead of the answer to the n-th SM, counted from 0.
 
@@ -46,7 +46,7 @@ class FakeEbb:
     that every answer is late.  unread: what an earlier program left of a command.
     """
 
-    version: str = "2.7.0"
+    version: str = "2.8.1"
     pace: float = 50.0
     delay: float = 0.0
     faults: dict[int, str] = field(default_factory=dict)
@@ -54,7 +54,7 @@ class FakeEbb:
     supply: int = POWERED
     button: bool = False
     unread: bytes = b""
-    enabled: bool = False
+    enabled: bool | None = None  # None: where it begins with steps, since it counts none while its motors turn freely
     divided: int = 16  # into how many each step is, where it is enabled
     future: bool = False  # whether it answers in the syntax that firmware 3 knows beside the old one
     queue: int = 1  # motions that wait beside the one that runs
@@ -72,6 +72,8 @@ class FakeEbb:
         self._master, self._unplugged = -1, False
         self.plug_in()
         self.made = self.steps
+        if self.enabled is None:
+            self.enabled = self.steps != (0, 0)
         self._answers: deque[tuple[float, bytes]] = deque()
         self._motions: deque[Motion] = deque()
         self._base = self.steps
@@ -237,11 +239,13 @@ class FakeEbb:
         self.steps = self._base = (0, 0)
 
     def _do_es(self, _: list[int]) -> None:
-        """Drop the motions of the motors, but none of the pen; tell what was queued and what was left to do."""
+        """Drop the motions of the motors, but none of the pen; tell whether any, and before 3.0 what was left to do."""
         self.stops += 1
         running, queued = [*self._motions, Motion(1), Motion(1)][:2]
         dropped = [motion for motion in self._motions if motion.steps is not None]
-        self._tell("{},{},{},{},{}".format(int(bool(dropped)), *queued.left, *running.left), "\n\r")
+        numbers = int(bool(dropped)), *queued.left, *running.left
+        told = numbers[:1] if self._has((3, 0, 0)) else numbers
+        self._tell(",".join(map(str, told)), "\n\r")
         self._motions = deque(motion for motion in self._motions if motion.steps is None)
         self._base = self.steps
 

@@ -10,7 +10,7 @@ from rich.console import Console
 from maulstick.cli.brush.fit import fit as fit_trials
 from maulstick.cli.lengths import metres
 from maulstick.cli.paint.operator import TerminalOperator, confirm
-from maulstick.errors import InputError, MachineError, OutputError
+from maulstick.errors import InputError, MachineError, OutputError, nothing_is_painted
 from maulstick.jobs.paint.machine_lock import machine_lock
 from maulstick.jobs.paint.options import PaintOptions
 from maulstick.jobs.paint.simulation import Simulation
@@ -102,7 +102,7 @@ def brush(
         tag=metres(tag, "--tag"),
     )
     options.check()
-    if robot.startswith("sim"):
+    if options.simulated:
         if camera is not None:
             raise InputError("the simulated easel has a camera of its own; leave out --camera")
     elif camera is None:
@@ -196,7 +196,13 @@ def _collect(sheet: Painting, out: Path, options: PaintOptions, place: "Easel | 
     robot = machine(options.machine, place) if simulation is None else simulation.robot
     easel = place or robot.easel(sheet.sheet.width, sheet.sheet.height)
     seeing = open_camera(options.camera or "", tell) if simulation is None else simulation.camera(tags)
-    with machine_lock(options.machine), Journal.open(journal_of(path)) as journal, robot, seeing:
+    with (
+        nothing_is_painted(),
+        machine_lock(options.machine),
+        Journal.open(journal_of(path)) as journal,
+        robot,
+        seeing,
+    ):
         begun = journal.revision is not None
         if not begun:
             journal.revise(path)

@@ -12,11 +12,11 @@ from rich.console import Console
 from maulstick.cli.folder import check_absent
 from maulstick.cli.keyboard import hang_up_as_ctrl_c, pressed_keys, unechoed
 from maulstick.cli.wording import COMMAND_LINE
-from maulstick.errors import InputError
+from maulstick.errors import InputError, nothing_is_painted
 from maulstick.jobs.paint.machine_lock import machine_lock
 from maulstick.painting.raster import parse_size
 from maulstick.robot.easel import write_easel
-from maulstick.robot.machines import REAL_SPECS, machine
+from maulstick.robot.machines import REAL_SPECS, is_simulated, machine
 from maulstick.storage.folders import made_folder
 
 if TYPE_CHECKING:
@@ -44,7 +44,7 @@ def touch(
 
     Example: maulstick calibrate touch --robot xarm:192.168.1.5 --size 200x160mm --out easel.json
     """
-    if robot.startswith("sim"):
+    if is_simulated(robot):
         raise InputError(f"{robot} knows where its sheet lies, and shows no tip to take there; name a real machine")
     width, height = parse_size(size)
     check_absent(out, "--out", overwrite)
@@ -61,7 +61,14 @@ def touch(
     }
     keys = pressed_keys()
     folder = made_folder(out.parent)  # before the corners are touched
-    with folder, machine_lock(robot), unechoed(), hang_up_as_ctrl_c(), machine(robot, None) as arm:
+    with (
+        folder,
+        machine_lock(robot),
+        unechoed(),
+        hang_up_as_ctrl_c(),
+        nothing_is_painted(),
+        machine(robot, None) as arm,
+    ):
         if force and not isinstance(arm, FeelsForce):
             raise InputError(f"{robot} cannot feel the paper; leave out --force, and touch it by eye")
         easel = _touched(arm, keys, corners, console, force=force)

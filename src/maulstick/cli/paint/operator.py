@@ -15,8 +15,8 @@ from rich.progress import Progress as Bars
 from typer import Exit
 
 from maulstick.cli.exit_codes import STOPPED
-from maulstick.cli.wording import stopped
-from maulstick.errors import InputError, MachineError
+from maulstick.cli.wording import COMMAND_LINE, stopped
+from maulstick.errors import InputError, MaulstickError
 from maulstick.jobs.paint.estimate import Estimate
 from maulstick.jobs.paint.operator import Operator
 from maulstick.jobs.paint.turns import in_minutes
@@ -74,7 +74,7 @@ class TerminalOperator(Operator):
         try:
             with self._bars:
                 yield
-        except (MachineError, KeyboardInterrupt) as error:
+        except (MaulstickError, KeyboardInterrupt) as error:
             self.say(f"{stopped(self.robot)}; {self._what_next}")
             if isinstance(error, StoppedError | KeyboardInterrupt) and self.stopped:
                 raise Exit(STOPPED) from None
@@ -122,7 +122,7 @@ class TerminalOperator(Operator):
         try:
             with self.interruptible(), self._keyboard:
                 draws = "" if action.seconds is None else f" (it draws for {in_minutes(action.seconds)})"
-                self.say(f"{action.message}, and press Enter{draws}; s and Enter stop")
+                self.say(f"{action.told(COMMAND_LINE)}, and press Enter{draws}; s and Enter stop")
                 answer = sys.stdin.readline()
             if not answer:
                 raise InputError(f"nobody is there to {action.message}; run it in a terminal")

@@ -9,6 +9,7 @@ from pathlib import Path
 from maulstick.errors import InputError, OutputError, Remedy
 from maulstick.jobs.paint.options import PaintOptions
 from maulstick.robot.journal import Journal, begun_with, journal_of, locked, was_begun
+from maulstick.robot.machines import is_simulated
 
 
 def check_own(painting: Path) -> None:
@@ -19,7 +20,7 @@ def check_own(painting: Path) -> None:
 
 
 def check_not_begun(painting: Path, options: PaintOptions, restart: bool) -> None:
-    """Raise InputError where a painting was begun and is not to be restarted, or is being painted; as `check_own` does.
+    """Raise InputError where a painting was begun and is not to be restarted, and as `check_own` does.
 
     A real machine begins what was only rehearsed on the simulated easel: nothing of that is on paper.
     """
@@ -27,12 +28,16 @@ def check_not_begun(painting: Path, options: PaintOptions, restart: bool) -> Non
     path = journal_of(painting)
     if was_begun(path) and not restart and (options.simulated or not _was_rehearsed(path)):
         raise InputError(f"{path} says that this painting was begun", Remedy.RESUME_OR_RESTART)
-    with locked(path):  # raises before the machine is connected
+
+
+def check_free(painting: Path) -> None:
+    """Raise InputError where another process paints it, OutputError where there can be no journal beside it."""
+    with locked(journal_of(painting)):
         return
 
 
 def _was_rehearsed(journal: Path) -> bool:
-    return str(Journal.read(journal).options.get("robot", "")).startswith("sim")
+    return is_simulated(str(Journal.read(journal).options.get("robot", "")))
 
 
 @contextmanager

@@ -9,6 +9,7 @@ from pathlib import Path
 from platformdirs import user_data_path
 
 from maulstick.errors import machine
+from maulstick.robot.machines import is_simulated, kind_of
 from maulstick.storage.files import held
 
 
@@ -18,7 +19,7 @@ def machine_lock(spec: str) -> Iterator[None]:
 
     Raises InputError where another process drives it, OutputError where the lock cannot be written.
     """
-    if spec.startswith(("sim", "own:")):  # nobody but its maker knows where a robot of one's own is
+    if is_simulated(spec) or kind_of(spec) == "own":  # nobody but its maker knows where a robot of one's own is
         yield
         return
     folder = user_data_path("maulstick", appauthor=False) / "machines"

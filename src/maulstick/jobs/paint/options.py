@@ -11,7 +11,7 @@ from pydantic import BaseModel, ConfigDict, JsonValue, ValidationError
 
 from maulstick.drawing.options import DrawingOptions
 from maulstick.errors import InputError, Remedy, machine, option, validation_fault
-from maulstick.robot.machines import kind_of
+from maulstick.robot.machines import is_simulated, kind_of
 
 _TAG = 0.02  # side of a tag's black square in metres, as `maulstick calibrate tags` prints them
 _REFILL = r"(\d+(?:\.\d+)?) ?(m|min)"  # after metres or minutes
@@ -140,7 +140,7 @@ class PaintOptions(BaseModel):
     @property
     def simulated(self) -> bool:
         """Whether the machine is the simulated easel."""
-        return self.machine.startswith("sim")
+        return is_simulated(self.machine)
 
     @property
     def tag_side(self) -> float:

@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from maulstick.errors import InputError, Remedy, option
+from maulstick.errors import InputError, Remedy, nothing_is_painted, option
 from maulstick.jobs.paint.estimate import Estimate
-from maulstick.jobs.paint.journals import check_not_begun, check_own
+from maulstick.jobs.paint.journals import check_free, check_not_begun, check_own
 from maulstick.jobs.paint.machine_lock import machine_lock
 from maulstick.jobs.paint.operator import Operator
 from maulstick.jobs.paint.request import PaintRequest
@@ -18,13 +18,19 @@ from maulstick.jobs.paintable import Paintable, is_svg, read_paintable, strokes_
 from maulstick.robot.journal import Journal, journal_of, latest_sheet
 from maulstick.robot.routine import NOTHING, PaintLoad
 from maulstick.robot.stops import UNKNOWN
+from maulstick.robot.workplace import at_home
 
 
 def rehearse(request: PaintRequest) -> Estimate:
-    """Return the estimate of a run without any motion; asks the machine for its limits. Raises what `paint` would."""
+    """Return the estimate of a run without any motion; asks the machine for its limits.
+
+    Raises what `paint` would before anything moves, but where another process paints the same: it writes nothing.
+    """
     if not request.resume:
         setup = PaintSetup.of(request.options, _plan_of(request), request.robot)
-        return _rehearsed(setup, setup.first(request.from_stroke, request.from_pen), 1, NOTHING)
+        check_not_begun(request.painting, request.options, request.restart)
+        with nothing_is_painted():
+            return _rehearsed(setup, setup.first(request.from_stroke, request.from_pen), 1, NOTHING)
     with _reopened(request) as (setup, begun, journal):
         sheet = _to_go_on(begun, journal, setup)
         return _rehearsed(setup, () if sheet.journal is None else journal.painted, sheet.number, sheet.load)
@@ -46,6 +52,7 @@ def paint(
         setup = PaintSetup.of(request.options, _plan_of(request), request.robot)
         with machine_lock(request.options.machine):
             check_not_begun(request.painting, request.options, request.restart)
+            check_free(request.painting)  # before the machine is connected
             _paint_sheets(request, setup, PaintSheet(1), operator_for)
         return
     with _reopened(request) as (setup, sheet, journal), machine_lock(setup.options.machine):
@@ -94,9 +101,11 @@ def _to_go_on(sheet: PaintSheet, journal: Journal, setup: PaintSetup) -> PaintSh
 
 def _rehearsed(setup: PaintSetup, done: Collection[int], number: int, load: PaintLoad) -> Estimate:
     """Return the estimate of a run in which the strokes `done` of the sheet of that number are painted already."""
-    with machine_lock(setup.options.machine), setup.robot.connected():
+    robot, corner = setup.robot, setup.easel.canvas_to_machine(np.zeros(3))
+    with machine_lock(setup.options.machine), robot.connected():
         actions = actions_left(setup, done, load)
-    estimate = Estimate.of(actions, setup.plan, setup.robot.limits, setup.easel.canvas_to_machine(np.zeros(3)))
+        home = corner if robot.home is None else np.array([*robot.home, corner[2]])
+    estimate = Estimate.of(at_home(actions, robot, home), setup.plan, robot.limits, corner)
     return replace(estimate, more_sheets=max(setup.options.sheets - number, 0), notes=setup.notes)
 
 

@@ -1,12 +1,12 @@
 """Painting of one sheet: what is left of it, the prompts before it, and its end."""
 
 from collections.abc import Callable, Collection
-from contextlib import ExitStack
+from contextlib import ExitStack, nullcontext
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
-from maulstick.errors import OutputError
+from maulstick.errors import OutputError, nothing_is_painted
 from maulstick.jobs.paint.estimate import Estimate
 from maulstick.jobs.paint.journals import new_journal
 from maulstick.jobs.paint.operator import Operator
@@ -20,7 +20,7 @@ from maulstick.robot.pace import STEP
 from maulstick.robot.robot import Robot, StoppedError
 from maulstick.robot.room import check_accepted
 from maulstick.robot.routine import NOTHING, Action, PaintLoad, Prompt, prompt_for, routine, ways_of
-from maulstick.robot.workplace import Workplace, home_of
+from maulstick.robot.workplace import Workplace, at_home, home_of
 from maulstick.storage.arrays import Floats
 
 
@@ -65,20 +65,22 @@ def paint_sheet(
     setup.paint_again(done)
     operator = operator_for(setup, done)
     _note(operator, setup, first=sheet.home is None)
+    can_go_on = before is not None or sheet.number > 1
     with ExitStack() as stack:
-        with operator.interruptible():
-            eye = (
-                None
-                if replanning is None
-                else stack.enter_context(replanning.opened(setup.plan, setup.simulation, before, operator.note))
-            )
-        stack.enter_context(setup.robot.connected())
-        actions = actions_left(setup, done, sheet.load)  # before anything moves
-        if operator.stopped:  # entering the machine would forget it, and lift the pen
-            raise StoppedError
-        robot = stack.enter_context(setup.robot)
+        with nullcontext() if can_go_on else nothing_is_painted():
+            with operator.interruptible():
+                eye = (
+                    None
+                    if replanning is None
+                    else stack.enter_context(replanning.opened(setup.plan, setup.simulation, before, operator.note))
+                )
+            stack.enter_context(setup.robot.connected())
+            actions = actions_left(setup, done, sheet.load)  # before anything moves
+            if operator.stopped:  # entering the machine would forget it, and lift the pen
+                raise StoppedError
+            robot = stack.enter_context(setup.robot)
         home = home_of(robot, before) if sheet.home is None else sheet.home
-        estimate = Estimate.of(actions, setup.plan, robot.limits, robot.place)
+        estimate = Estimate.of(at_home(actions, robot, home), setup.plan, robot.limits, robot.place)
         operator.expect(replace(estimate, more_sheets=max(setup.options.sheets - sheet.number, 0)))
         if not actions:
             return PaintSheet(sheet.number + 1, load=sheet.load, home=home)

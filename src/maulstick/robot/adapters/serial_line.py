@@ -4,6 +4,7 @@ import os
 import sys
 import time
 from contextlib import suppress
+from errno import ENOTTY
 from typing import Final, final
 
 import serial
@@ -30,9 +31,8 @@ class SerialLine:
         try:
             self._serial = serial.Serial(port, baud, timeout=GLANCE, write_timeout=1.0, exclusive=True)
         except OSError as error:
-            reason = os.strerror(error.errno) if error.errno else str(error)
             raise InputError(
-                f"cannot open the port {port}: {reason}; is it plugged in, free, and may you use it?"
+                f"cannot open the port {port}: {_reason(error)}; is it plugged in, free, and may you use it?"
             ) from error
         except (ValueError, OverflowError) as error:
             raise InputError.of_range("the baud rate", baud, "one that the port has, such as 115200") from error
@@ -76,6 +76,15 @@ class SerialLine:
             whole, self._came = [*whole, self._came], b""
         self._lines += [line.decode("ascii", "replace").strip() for line in whole if line.strip()]
         return bool(came)
+
+
+def _reason(error: OSError) -> str:
+    """Return why a port cannot be opened; where it cannot be set up, pyserial has the number in what it caught."""
+    numbers = (error.errno, *getattr(error.__context__, "args", ()))
+    number = next((number for number in numbers if isinstance(number, int)), None)
+    if number == ENOTTY:
+        return "it is no serial port"
+    return str(error) if number is None else os.strerror(number)
 
 
 def _leave_raised(port: serial.Serial) -> None:

@@ -5,7 +5,9 @@ Places are written as whole micrometres, rounded so that they stay within the li
 
 import re
 from dataclasses import dataclass
+from textwrap import wrap
 from typing import Literal
+from unicodedata import normalize
 
 import numpy as np
 
@@ -23,7 +25,7 @@ _SLOWEST = 1.0  # mm/min: the least feed written; slower is an error to Grbl
 _STRAIGHT = 1e-12  # metres: least length, so that no division is by zero
 _MOST_SERVO = 65_535  # of 16 bits, in which boards time the pulses of a servo; without an exponent as it is written
 _TIME = re.compile(r"([ps])(?= *[-+.\d])", re.IGNORECASE)  # Marlin waits so long, and not for a person: M0 STEP 2
-_LONGEST_MESSAGE = 60  # characters, fewer than Marlin keeps of a line
+_LONGEST_MESSAGE = 60  # characters, fewer than Marlin keeps of a line, and than senders may put into Grbl's buffer
 
 
 @dataclass(frozen=True)
@@ -79,11 +81,17 @@ class Gcode:
         return [f"G1 Z{_MM * self.rounded(place)[2]:.3f} F{_feed(min(self.limits.speed, self.limits.climb)):.1f}"]
 
     def pause(self, message: str) -> list[str]:
-        """Pause until the operator lets the machine go on, and show the message."""
-        said = "".join(filter(_is_harmless, message))[:_LONGEST_MESSAGE]
-        if self.dialect == "marlin":
-            return ["M0 " + _TIME.sub(r"\1:", said)]
-        return [f"({said})", "M0"]
+        """Pause until the operator lets the machine go on, and show the message, without accents.
+
+        Marlin shows the beginning of one that is long; a comment before it has all.
+        """
+        said = "".join(filter(_is_harmless, normalize("NFD", message.replace("ß", "ss"))))
+        if self.dialect == "grbl":
+            parts = wrap(said, _LONGEST_MESSAGE, break_on_hyphens=False) or [""]
+            return [*(f"({part})" for part in parts), "M0"]
+        is_long = len(said) > _LONGEST_MESSAGE
+        shown = said[: _LONGEST_MESSAGE - 3] + "..." if is_long else said
+        return [*([f"; {said}"] if is_long else []), "M0 " + _TIME.sub(r"\1:", shown)]
 
     def _straight(self, start: Floats, place: Floats, speed: float) -> str:
         step = place - start

@@ -121,9 +121,12 @@ class Run:
         painting = self._painting(plan)
         return await self._desk.do(status_of, painting) if journal_of(painting).exists() else None
 
-    def check(self, plan: str, options: PaintOptions, *, resume: bool = False) -> None:
-        """Check whether a plan, or with `resume` its rest, can be painted, without moving anything."""
-        request = self._request(plan, options, resume=resume)
+    def check(self, plan: str, options: PaintOptions, *, resume: bool = False, restart: bool = False) -> None:
+        """Check whether a plan, or with `resume` its rest, can be painted, without moving anything.
+
+        restart: on a new sheet, where it was begun before.
+        """
+        request = self._request(plan, options, resume=resume, restart=restart)
         options.check()
         self._check_free()
         self._begin("checking", request, rehearse_in_process)

@@ -10,7 +10,7 @@ from pathlib import Path
 from queue import SimpleQueue
 from typing import TYPE_CHECKING
 
-from maulstick.errors import InputError, MachineError
+from maulstick.errors import InputError, MachineError, nothing_is_painted
 from maulstick.robot.easel import Easel, Pen
 from maulstick.studio.wording import error_text
 from maulstick.studio.workers.messages import Ended
@@ -118,8 +118,9 @@ def move_by_hand(line: Line, spec: str, easel: Path | None, painting: Path | Non
         for number in (signal.SIGTERM, signal.SIGHUP):
             signal.signal(number, lambda *_: hands.hear(Deed.STOP))
         try:
-            while hands.attend(line, robot, bench):
-                pass
+            with nothing_is_painted():
+                while hands.attend(line, robot, bench):
+                    pass
         except MachineError as error:
             line.say(Ended("" if hands.is_to_stop else error_text(error), robot.lifted))
         else:

@@ -18,6 +18,7 @@ from maulstick.robot.execute import PaintProgress
 from maulstick.robot.robot import StoppedError
 from maulstick.robot.routine import Draw, Prompt, TrayVisit
 from maulstick.storage.arrays import Image
+from maulstick.studio.wording import prompt_text
 from maulstick.studio.workers.messages import PAINTING, PLANNING, Held, Note, OperatorRequest, Photograph, RunProgress
 from maulstick.studio.workers.plan_pictures import keep_plan_picture
 from maulstick.studio.workers.planned_paints import asked_in_words
@@ -110,7 +111,7 @@ class PageOperator(Operator):
         self._question = next(self._questions)
         self._done.clear()  # in this order, or an answer to an earlier question could answer this one
         paint = self._setup.plan.paints[action.paint]
-        message = asked_in_words(action.message, paint, action.paint)
+        message = asked_in_words(prompt_text(action), paint, action.paint)
         if action.seconds is not None:
             message += f"; it draws for {in_minutes(action.seconds)}"
         self._line.say(OperatorRequest(self._question, message))

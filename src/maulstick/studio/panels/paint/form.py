@@ -10,6 +10,7 @@ from nicegui import events, ui
 from maulstick.errors import InputError
 from maulstick.jobs.paint.options import MOST_COPIES, PaintOptions
 from maulstick.jobs.plan.options import MOST_STROKES
+from maulstick.robot.machines import is_simulated
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.state.whole_number import whole_number
 from maulstick.studio.widgets.uploading import upload_button
@@ -103,7 +104,7 @@ class OptionsForm:
     @property
     def is_simulated(self) -> bool:
         """Whether the chosen machine is a simulated easel."""
-        return str(self._machine.value).startswith("sim")
+        return is_simulated(str(self._machine.value))
 
     def leave_plan(self) -> None:
         """Forget what was asked for one plan alone, once another is chosen."""
@@ -162,7 +163,7 @@ class OptionsForm:
 
     def _show_machine(self, spec: str) -> None:
         kind, _, address = spec.partition(":")
-        shown = spec if kind == "sim" else kind
+        shown = spec if is_simulated(spec) else kind
         if shown not in MACHINES:
             return
         self._is_filling = True
@@ -170,13 +171,13 @@ class OptionsForm:
         self._is_filling = False
         if kind in _AT_A_PORT and address:
             self._port.set_options([*dict.fromkeys([*self._port.options, address])], value=address)
-        elif kind not in _AT_A_PORT and kind != "sim":
+        elif kind not in _AT_A_PORT and not is_simulated(spec):
             self._address.value = address
 
     def _machine_spec(self) -> str:
         """Return the machine with its address, as for ``--robot``. Raises InputError where the address is missing."""
         kind = str(self._machine.value)
-        if kind.startswith("sim"):
+        if is_simulated(kind):
             return kind
         address = str((self._port.value if kind in _AT_A_PORT else self._address.value) or "").strip()
         if not address and kind == "axidraw":
@@ -191,7 +192,7 @@ class OptionsForm:
     def fit(self) -> None:
         """Show the fields that fit the machine, and the switch for the tray if there is one."""
         kind = str(self._machine.value)
-        simulated = kind.startswith("sim")
+        simulated = is_simulated(kind)
         self._port.visible = kind in _AT_A_PORT
         self._address.visible = not simulated and kind not in _AT_A_PORT
         self._lies.text = "" if self._easel.value else _LIES.get(kind, "")

@@ -236,7 +236,8 @@ class _Setting:
 
     def _rehearse(self) -> None:
         status = self._begun_here
-        self._run.check(*self._filled_in(), resume=status is not None and not status.is_over)
+        over = status is not None and status.is_over
+        self._run.check(*self._filled_in(), resume=status is not None and not over, restart=over)
 
     async def _begin(self) -> None:
         await self._run.begin(*self._filled_in())
