@@ -1,3 +1,4 @@
+import re
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -205,6 +206,12 @@ def test_strokes_that_all_go_along_one_axis_tell_nothing_of_the_other_scale(monk
     assert "m_x" in found.errors
     assert "m_y" not in found.errors
     assert "no stroke goes along y: m_y is not known and stays 1; draw some that do" in found.warnings
+
+
+def test_a_mark_that_is_thinner_than_a_pixel_is_doubted() -> None:
+    thin = MARKER.model_copy(update={"alpha": 0.0, "beta": 0.3 / SCALE})
+    found = fitted(draw_darkness(thin, 6, 1))
+    assert any(re.match(r"the mark is 0\.\d+ pixels wide in the photographs", text) for text in found.warnings)
 
 
 def test_strokes_of_one_pressure_tell_one_width(flat: Fit) -> None:
