@@ -214,6 +214,26 @@ def test_a_mark_that_is_thinner_than_a_pixel_is_doubted() -> None:
     assert any(re.match(r"the mark is 0\.\d+ pixels wide in the photographs", text) for text in found.warnings)
 
 
+def cut_out(trial: Trial, turned: bool) -> Trial:
+    """The trial in photographs of its stroke alone, as a machine's are cut out, and perhaps turned by 180 degrees."""
+    corner, end = (np.round(f(trial.path[:, :2], axis=0) * SCALE).astype(int) for f in (np.min, np.max))
+    room = 12  # pixels
+    (left, top), (right, bottom) = (corner - room).clip(min=0), end + room
+    step = -1 if turned else 1
+    before, after = (x[top:bottom, left:right][::step, ::step] for x in (trial.before, trial.after))
+    return replace(trial, path=trial.path - [left / SCALE, top / SCALE, 0], before=before, after=after)
+
+
+@pytest.mark.parametrize("turned", [True, False])
+def test_photographs_that_are_turned_by_180_degrees_are_doubted_and_others_not(
+    monkeypatch: pytest.MonkeyPatch, turned: bool
+) -> None:
+    monkeypatch.setattr(module, "STEPS", 20)
+    monkeypatch.setattr(selection, "STEPS", 20)
+    found = fitted([cut_out(trial, turned) for trial in draw_trials(MARKER, 6, 1, Faults())])
+    assert any("turned by 180 degrees" in warning for warning in found.warnings) == turned
+
+
 def test_strokes_of_one_pressure_tell_one_width(flat: Fit) -> None:
     assert flat.brush.alpha == 0
     assert flat.brush.beta == pytest.approx(MARKER.half_width(np.array(0.5)), rel=CLEAN_WIDTH)

@@ -8,6 +8,7 @@ from torch import Tensor
 from maulstick.brush_fit.descent import Unknowns
 from maulstick.brush_fit.evidence import ENOUGH, Evidence
 from maulstick.brush_fit.initialise import has_pressures
+from maulstick.brush_fit.window import turned
 
 _WIDTH = 0.1  # share of the widest half-width: a larger standard error of alpha gets a warning
 _FINEST_PX = 1.0  # width of a mark: where it is less, broad pale marks and thin dark ones are photographed alike
@@ -23,6 +24,11 @@ def doubts(evidence: Evidence, found: Unknowns, errors: Mapping[str, Tensor], op
     said, paths = [], evidence.paths
     widest = float(sum(found.numbers()[name] for name in ("alpha", "beta")))  # half-width, metres
     pressure = np.array([path[:, 2] for path in paths])
+    if turned(evidence.windows, evidence.pixels_per_metre):
+        said.append(
+            "the marks look as their paths do when these are turned by 180 degrees, so the brush fits neither; turn "
+            "the photographs, and fit again"
+        )
     if len(paths) < ENOUGH:
         said.append(
             f"only {len(paths)} strokes could be used: nothing was held out and nothing tried beyond the paper's "
