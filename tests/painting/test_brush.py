@@ -1,5 +1,6 @@
 import json
 from pathlib import Path
+from threading import Thread
 
 import numpy as np
 import pytest
@@ -174,6 +175,31 @@ def test_a_name_that_is_taken_is_refused_unless_it_may_be_overwritten(own: Path)
         BRUSHES.check_own_name("twig", overwrite=False)
     with pytest.raises(InputError, match=r"^the brush round comes with Maulstick; choose another name$"):
         BRUSHES.check_own_name("round", overwrite=True)
+
+
+def test_of_two_that_take_one_name_at_the_same_moment_only_one_gets_it(
+    own: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    refused, brush = [], Brush.model_validate(GOOD)
+
+    def write_the_other() -> None:
+        with pytest.raises(OutputError) as caught:
+            write_brush(brush.model_copy(update={"source": "the other"}), own / "twig.json", overwrite=False)
+        refused.append(str(caught.value))
+
+    also, replaced = Thread(target=write_the_other), Path.replace
+
+    def slowly(path: Path, target: Path) -> Path:
+        if not also.ident:
+            also.start()
+            also.join(timeout=0.5)  # longer than it takes where nothing holds it up
+        return replaced(path, target)
+
+    monkeypatch.setattr(Path, "replace", slowly)
+    write_brush(brush, own / "twig.json", overwrite=False)
+    also.join()
+    assert refused == ["there is a brush twig already; choose another name, or add overwrite"]
+    assert load_brush("twig").source == "a test"
 
 
 def test_a_brush_that_cannot_be_written_leaves_what_was_there(tmp_path: Path) -> None:

@@ -293,13 +293,17 @@ def load_pen_brush(name: str) -> tuple[Brush, str | None]:
     return brush, load_pen(name).colour if name in pens else None
 
 
-def write_brush(brush: Brush, path: Path) -> None:
+def write_brush(brush: Brush, path: Path, overwrite: bool = True) -> None:
     """Write a brush as JSON; its folder is made where missing.
 
-    Raises OutputError where that fails; what was at `path` is then still there.
+    overwrite: replace what is at `path`.  Raises OutputError where something is there that is not to be replaced, or
+    writing fails, which leaves it as it was, and InputError where another process goes on writing into the folder.
     """
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise OutputError(f"cannot make the folder of brushes {path.parent}: {error.strerror}") from error
-    atomic_write(path, f"{brush.model_dump_json(indent=2)}\n".encode())
+    with BRUSHES.writing_into(path.parent):
+        if not overwrite:  # asked while nobody else writes, or two that fit one name would both keep it
+            BRUSHES.check_unused(path.stem, path.parent)
+        atomic_write(path, f"{brush.model_dump_json(indent=2)}\n".encode())
