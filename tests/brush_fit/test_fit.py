@@ -272,3 +272,7 @@ def test_photographs_and_darkness_images_are_not_fitted_together(dark_first: boo
     text = "3 trials are darkness images, as stroke 1 is, and 3 are photographs; one fit takes one kind"
     with pytest.raises(InputError, match=f"^{text}"):
         fitted([*dark, *photographs] if dark_first else [*photographs, *dark])
+    with pytest.raises(
+        InputError, match=r"^1 trial is a darkness image, as stroke 1 is, and 4 are photographs; one fit"
+    ):
+        fitted([dark[0], *draw_trials(MARKER, 4, 2)])

@@ -25,6 +25,7 @@ from maulstick.painting.painting_file import read_painting
 from maulstick.painting.picture import READ_PX, read_picture
 from maulstick.painting.raster import Canvas
 from maulstick.storage.files import atomic_write
+from maulstick.storage.text import counted
 
 if TYPE_CHECKING:
     from maulstick.painting.metrics import Metrics
@@ -108,7 +109,7 @@ def _over(picture: NDArray[np.float32], canvas: Canvas) -> NDArray[np.float32]:
 
 
 def _note(plan: Painting, likeness: "Metrics | None") -> str:
-    counts = f"{len(plan.strokes)} strokes, {len(plan.paints)} paint{'s' if len(plan.paints) != 1 else ''}"
+    counts = f"{counted(len(plan.strokes), 'stroke')}, {counted(len(plan.paints), 'paint')}"
     return counts if likeness is None else f"{counts}, {_metrics(likeness)}"
 
 

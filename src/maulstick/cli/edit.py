@@ -24,6 +24,7 @@ from maulstick.painting.stroke_edits import (
     UnlockStrokes,
     edited,
 )
+from maulstick.storage.text import counted
 from maulstick.strokes.ink import read_ink
 
 _HELD = 0.5  # pressure of drawn strokes without any: half as deep as a brush goes
@@ -101,7 +102,7 @@ def edit(
     after = edited(before, edits)
     write_painting(after, out)
     locked = sum(stroke.locked for stroke in after.strokes)
-    print(f"{out}: {len(after.strokes)} strokes, {locked} of them locked")
+    print(f"{out}: {counted(len(after.strokes), 'stroke')}, {locked} of them locked")
 
 
 def _index(number: int, painting: Painting) -> int:

@@ -10,6 +10,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
 from maulstick.painting.video import Video
+from maulstick.storage.text import counted
 
 if TYPE_CHECKING:
     from maulstick.planning.result import PlanProgress as Step
@@ -21,7 +22,7 @@ _FRAMES = 160  # of a video, at most: enough for some seconds of it
 def progress_bar(console: Console, strokes: int) -> Iterator[Callable[[float, float, Mapping[str, float]], None]]:
     """Show a progress bar; yields a function that takes the share done in [0, 1], the loss, and its parts by name."""
     columns = (
-        TextColumn(f"{strokes} strokes"),
+        TextColumn(counted(strokes, "stroke")),
         BarColumn(),
         TextColumn("{task.percentage:3.0f} %"),
         TextColumn("loss {task.fields[loss]}{task.fields[parts]}"),

@@ -18,6 +18,7 @@ from maulstick.jobs.paintable import Paintable, is_svg, read_paintable, strokes_
 from maulstick.robot.journal import Journal, journal_of, latest_sheet
 from maulstick.robot.routine import NOTHING, PaintLoad
 from maulstick.robot.stops import UNKNOWN
+from maulstick.storage.text import counted
 
 
 def rehearse(request: PaintRequest) -> Estimate:
@@ -61,7 +62,7 @@ def _plan_of(request: PaintRequest) -> Paintable:
     if not count:
         raise InputError(f"{request.painting} has no strokes; plan it again with more")
     if number is not None and not 1 <= number <= count:
-        raise InputError.of_range(option("from_stroke"), number, f"1 to the {count} strokes")
+        raise InputError.of_range(option("from_stroke"), number, f"1 to the {counted(count, 'stroke')}")
     return plan
 
 

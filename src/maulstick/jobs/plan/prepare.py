@@ -31,6 +31,7 @@ from maulstick.planning.regions import Regions
 from maulstick.planning.room import check_room
 from maulstick.planning.tones import InkSupply, draw_light
 from maulstick.storage.arrays import Image
+from maulstick.storage.text import counted
 from maulstick.style import Style, load_style
 
 
@@ -158,7 +159,9 @@ def _tubes(options: PlanOptions) -> tuple[NamedPaint, ...]:
     """Return the paints of a file. Raises InputError for more than a new plan has strokes."""
     tubes = read_paints(options.paints_from) if options.paints_from is not None else ()
     if options.again is None and options.strokes != AUTO and len(tubes) > options.strokes:
-        raise InputError.of_range("the number of paints", len(tubes), f"at most the {options.strokes} strokes")
+        raise InputError.of_range(
+            "the number of paints", len(tubes), f"at most the {counted(options.strokes, 'stroke')}"
+        )
     return tubes
 
 
