@@ -148,6 +148,8 @@ def _parts(
 
 
 def _ids(text: str, name: str, painting: Painting) -> tuple[int, ...]:
+    if not painting.strokes:
+        raise InputError(f"{name} names strokes, and there are none in this painting; draw some with --add")
     ids: list[int] = []
     for part in map(str.strip, text.split(",")):
         if of_region := [stroke.id for stroke in painting.strokes if part in ("all", stroke.region)]:
