@@ -19,8 +19,13 @@ _FRAMES = 160  # of a video, at most: enough for some seconds of it
 
 
 @contextmanager
-def progress_bar(console: Console, strokes: int) -> Iterator[Callable[[float, float, Mapping[str, float]], None]]:
-    """Show a progress bar; yields a function that takes the share done in [0, 1], the loss, and its parts by name."""
+def progress_bar(
+    console: Console, strokes: int, wanted: Callable[[], bool]
+) -> Iterator[Callable[[float, float, Mapping[str, float]], None]]:
+    """Show a progress bar; yields a function that takes the share done in [0, 1], the loss, and its parts by name.
+
+    wanted: whether nobody has stopped it; what was stopped ends where it was.
+    """
     columns = (
         TextColumn(counted(strokes, "stroke")),
         BarColumn(),
@@ -36,7 +41,8 @@ def progress_bar(console: Console, strokes: int) -> Iterator[Callable[[float, fl
             bar.update(task, completed=done, loss=f"{loss:.5f}", parts=f" ({shares})" if len(parts) > 1 else "")
 
         yield show
-        bar.update(task, completed=1.0)
+        if wanted():
+            bar.update(task, completed=1.0)
 
 
 @contextmanager
