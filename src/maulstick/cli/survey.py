@@ -12,7 +12,7 @@ from maulstick.errors import InputError, how_to_add
 from maulstick.storage.files import atomic_write
 from maulstick.studio.server.link import pages_at
 from maulstick.survey.answers import Answers
-from maulstick.survey.questionnaire import read_survey
+from maulstick.survey.questionnaire import read_survey_to_show
 
 
 def survey(
@@ -40,10 +40,11 @@ def survey(
         raise InputError.of_range("the port", port, "from 1 to 65535")
     if results and links is not None:
         raise InputError("--links and --results were both given; run one after the other")
-    read_survey(folder)
     if results:
         _print_results(folder)
-    elif links is not None:
+        return
+    read_survey_to_show(folder)
+    if links is not None:
         for token in Answers(folder).mint(links):
             print(f"{pages_at(host, port)}{token}")
     else:
