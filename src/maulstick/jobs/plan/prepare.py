@@ -78,7 +78,7 @@ def prepare(
     style = hand.scaled(options.hand_size)
     regions = directing.regions(layout, hand, options.hand_size, brushes, usual)
     tubes = _tubes(options)
-    colours = directing.colours, directing.painted_colours
+    colours = directing.colours, directing.painted_colours(layout, finest, regions)
     settings = settings_of(options, tubes, *colours, are_mixed=again is not None)
     if again is not None:
         settings = again.in_paints(settings)
