@@ -82,7 +82,7 @@ def prepare(
     settings = settings_of(options, tubes, *colours, are_mixed=again is not None)
     if again is not None:
         settings = again.in_paints(settings)
-    supply = _supply(options, settings, layout, brushes, style, regions) if settings.in_ink else None
+    supply = _supply(options, settings, layout, brushes, usual, style, regions) if settings.in_ink else None
     if options.strokes == AUTO:
         settings = replace(settings, strokes=enough(supply))
     names = {hex_colour(tube.colour): tube.name for tube in tubes}
@@ -183,10 +183,17 @@ def _supply(
     settings: PlannerSettings,
     layout: Layout,
     brushes: tuple[Brush, ...],
+    usual: tuple[Brush, ...],
     style: Style,
     regions: Regions | None,
 ) -> InkSupply | None:
-    """Return the supply of inks. Raises InputError for several brushes."""
+    """Return the supply of inks. Raises InputError for several brushes, of which the usual ones are not of regions."""
+    if len(brushes) > 1 == len(usual):
+        of_regions = names_of(brush for brush in brushes if brush.name != usual[0].name)
+        raise InputError(
+            f"regions ask for {of_regions} beside {usual[0].name}, and ink is drawn with one brush; let them have "
+            "that one, or paint in colours"
+        )
     if len(brushes) > 1:
         raise InputError(
             f"{option('brush')} {names_of(brushes)} names several, and ink is drawn with one; name one, or "
