@@ -7,7 +7,8 @@ from xml.etree.ElementTree import Element
 import numpy as np
 from svgelements import Ellipse, Path, Rect  # type: ignore[import-untyped]
 
-from maulstick.drawing.document import NO_PLACE, Viewport, coordinates, pixels
+from maulstick.drawing.document import NO_PLACE, Viewport, coordinates
+from maulstick.drawing.lengths import pixels
 from maulstick.errors import InputError
 from maulstick.recording.files.markup import local_name
 from maulstick.recording.files.svg_paths import chains_of

@@ -73,7 +73,7 @@ def _is_paper(shape: Shape, width: float, height: float) -> bool:
 
 def _metres(side: str | None) -> float | None:
     """Return a CSS length in metres, or None where it is not one."""
-    match = re.fullmatch(r"\s*\+?(\d+\.?\d*|\.\d+)\s*(|px|mm|cm|in|pt|pc)\s*", side or "")
+    match = re.fullmatch(r"\s*\+?(\d+\.?\d*|\.\d+)\s*(|px|mm|cm|q|in|pt|pc)\s*", (side or "").lower())
     return float(match[1]) * METRES[match[2] or "px"] if match else None
 
 
