@@ -30,6 +30,8 @@ from maulstick.strokes.ink import read_ink
 _HELD = 0.5  # pressure of drawn strokes without any: half as deep as a brush goes
 _MOST_IDS = 1_000_000  # in a range: more than any painting has strokes
 
+_SAY_SIZE = "; say it with maulstick record ink --size, and add that ink"
+
 _edits = partial(typer.Option, rich_help_panel="Edits, made in this order")
 _writing = partial(typer.Option, rich_help_panel="What is written")
 Value = TypeVar("Value")
@@ -118,7 +120,9 @@ def _drawn(text: str, painting: Painting) -> list[AddStroke]:
     from maulstick.recording.files.ink_files import read_ink_file  # loads parsers
 
     path, paint = Path(file), _index(int(number), painting)
-    ink = read_ink(path) if path.suffix.lower() == ".npz" else read_ink_file(path, note=_print_note)[0]
+    ink = (
+        read_ink(path) if path.suffix.lower() == ".npz" else read_ink_file(path, note=_print_note, remedy=_SAY_SIZE)[0]
+    )
     strokes = []
     for samples in ink.strokes():
         points = samples[:, 1:4]
@@ -129,7 +133,7 @@ def _drawn(text: str, painting: Painting) -> list[AddStroke]:
 
 def _print_note(note: str) -> None:
     console = Console(stderr=True, markup=False, highlight=False)
-    console.print(f"note: {note}; say it with maulstick record ink --size, and add that ink", soft_wrap=True)
+    console.print(f"note: {note}", soft_wrap=True)
 
 
 def _parts(

@@ -11,7 +11,7 @@ from maulstick.errors import InputError
 from maulstick.recording.files.curves import polylines
 from maulstick.recording.files.markup import METRES, local_name, parsed
 from maulstick.recording.files.page import Page
-from maulstick.recording.files.svg_paths import chains_of, check_uses
+from maulstick.recording.files.svg_paths import chains_of, check_uses, is_whole
 from maulstick.storage.arrays import Floats
 
 _NEVER_DRAWN = ("symbol", "marker", "mask", "pattern", "clipPath")  # elements that are drawn only by reference
@@ -45,7 +45,8 @@ def read_svg(content: bytes) -> Page:
         raise InputError(f"{fault}; convert text and objects to paths in the drawing program")
     unit = across / width if across and down and width > 0 and height > 0 else None
     strokes = [_stroke(points) for points in polylines(chains)]
-    return Page(strokes, unit, None if unit is None else (width, height), "SVG")
+    faulty = sum(not is_whole(str(shape.values.get("d", ""))) for shape in drawn if isinstance(shape, Path))
+    return Page(strokes, unit, None if unit is None else (width, height), "SVG", faulty)
 
 
 def _hide(root: Element) -> None:
