@@ -65,7 +65,7 @@ def compare(
     if picture is not None and photo is not None:
         shown = PictureEdit.of(plans[0].provenance.options).applied(picture)
         panels.insert(0, Panel("photograph", photo.name, plans[0].area[2:], partial(_over, shown)))
-    title = f"{len(plans)} paintings" + ("" if photo is None else f" of {photo.name}")
+    title = counted(len(plans), "painting") + ("" if photo is None else f" of {photo.name}")
     told = "each as its own brushes leave it, all at one scale"
     note = "" if picture is None else "likeness to the photograph is measured over the picture's area"
     atomic_write(out, compare_plot(panels, title, told, note, px))

@@ -10,6 +10,7 @@ from rich.text import Text
 
 from maulstick.errors import InputError, how_to_add
 from maulstick.storage.files import atomic_write
+from maulstick.storage.text import counted
 from maulstick.studio.server.link import pages_at
 from maulstick.survey.answers import Answers
 from maulstick.survey.questionnaire import read_survey_to_show
@@ -81,7 +82,7 @@ def _print_results(folder: Path) -> None:
 
     found = results_of(folder)
     console = Console()
-    print(f"{found.links} links, {found.begun} began, {found.finished} finished")
+    print(f"{counted(found.links, 'link')}, {found.begun} began, {found.finished} finished")
     if found.matching is not None:
         show("Which hand was chosen", matching_rows(found.matching))
         show("How often it was the right one", right_rows(found.matching))
