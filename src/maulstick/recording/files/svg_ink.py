@@ -61,7 +61,7 @@ def _hide(root: Element) -> None:
 
 def _is_visible(shape: Shape) -> bool:
     """Return whether a shape is seen; svgelements itself leaves out what has no display."""
-    return shape.values.get("visibility") not in ("hidden", "collapse")
+    return str(shape.values.get("visibility")).lower() not in ("hidden", "collapse")
 
 
 def _is_paper(shape: Shape, width: float, height: float) -> bool:
