@@ -117,6 +117,10 @@ def test_a_compressed_svg_is_refused_with_the_remedy(file: Path) -> None:
             "cannot read FILE as InkML: it declares entities; save it as plain InkML",
         ),
         (b'<svg><path d="M1 1 L foo 2"/></svg>', "cannot read FILE as SVG: it is damaged; save it again as plain SVG"),
+        (
+            b'<svg><path transform="rotate(oops)" d="M1 1h3"/></svg>',
+            "cannot read FILE as SVG: it is damaged; save it again as plain SVG",
+        ),
         (b"<svg/>", "cannot read FILE as SVG: there is no path or shape in it; convert text and objects to paths"),
         (
             b"<ink>" + b"<traceGroup>" * 9999 + b"</traceGroup>" * 9999 + b"</ink>",

@@ -23,6 +23,12 @@ FORMATS = "InkML, SVG, Wacom's UIM and WILL 2, and JSON of pointer events"
 """Formats that can be read, for people."""
 
 _LARGEST = 64 * 2**20  # bytes: no drawing is larger, and parsers need many times that in memory
+_UNTOLD = (
+    AttributeError,
+    IndexError,
+    KeyError,
+    TypeError,
+)  # of parsers that stumble: their texts say nothing of a drawing
 _START = 64 * 2**10  # bytes in which the outermost element of XML must begin
 
 
@@ -55,7 +61,8 @@ def read_ink_file(
     except RecursionError as error:
         raise InputError(f"cannot read {path} as {name}: it is nested too deeply, or refers to itself") from error
     except Exception as error:  # the parsers raise nearly anything
-        fault = " ".join(str(error).split()) or f"it is damaged; save it again as plain {name}"
+        said = "" if isinstance(error, _UNTOLD) else " ".join(str(error).split())
+        fault = said or f"it is damaged; save it again as plain {name}"
         raise InputError(f"cannot read {path} as {name}: {fault[:200]}") from error
     if page.unit is None and size is None and longest is None:
         note(
