@@ -208,6 +208,7 @@ def test_options_are_refused_in_the_words_of_python(options: dict[str, Any], sai
     ("call", "said"),
     [
         (lambda painting: ms.render(painting, px="a"), "px is 'a'; it must be of the kind int"),
+        (lambda painting: ms.render(painting, px=1.5), "px is 1.5; it must be a whole number"),
         (lambda painting: ms.compare(3, demo_picture()), "painting is 3; it must be of the kind Painting | str | Path"),
         (lambda painting: ms.read_ink("wine.svg", size=3), "size is 3; it must be of the kind str | None"),
         (lambda painting: ms.load_brush(3), "name is 3; it must be of the kind str | Path"),

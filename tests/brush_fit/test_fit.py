@@ -1,3 +1,4 @@
+import re
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -207,6 +208,32 @@ def test_strokes_that_all_go_along_one_axis_tell_nothing_of_the_other_scale(monk
     assert "no stroke goes along y: m_y is not known and stays 1; draw some that do" in found.warnings
 
 
+def test_a_mark_that_is_thinner_than_a_pixel_is_doubted() -> None:
+    thin = MARKER.model_copy(update={"alpha": 0.0, "beta": 0.3 / SCALE})
+    found = fitted(draw_darkness(thin, 6, 1))
+    assert any(re.match(r"the mark is 0\.\d+ pixels wide in the photographs", text) for text in found.warnings)
+
+
+def cut_out(trial: Trial, turned: bool) -> Trial:
+    """The trial in photographs of its stroke alone, as a machine's are cut out, and perhaps turned by 180 degrees."""
+    corner, end = (np.round(f(trial.path[:, :2], axis=0) * SCALE).astype(int) for f in (np.min, np.max))
+    room = 12  # pixels
+    (left, top), (right, bottom) = (corner - room).clip(min=0), end + room
+    step = -1 if turned else 1
+    before, after = (x[top:bottom, left:right][::step, ::step] for x in (trial.before, trial.after))
+    return replace(trial, path=trial.path - [left / SCALE, top / SCALE, 0], before=before, after=after)
+
+
+@pytest.mark.parametrize("turned", [True, False])
+def test_photographs_that_are_turned_by_180_degrees_are_doubted_and_others_not(
+    monkeypatch: pytest.MonkeyPatch, turned: bool
+) -> None:
+    monkeypatch.setattr(module, "STEPS", 20)
+    monkeypatch.setattr(selection, "STEPS", 20)
+    found = fitted([cut_out(trial, turned) for trial in draw_trials(MARKER, 6, 1, Faults())])
+    assert any("turned by 180 degrees" in warning for warning in found.warnings) == turned
+
+
 def test_strokes_of_one_pressure_tell_one_width(flat: Fit) -> None:
     assert flat.brush.alpha == 0
     assert flat.brush.beta == pytest.approx(MARKER.half_width(np.array(0.5)), rel=CLEAN_WIDTH)
@@ -245,3 +272,7 @@ def test_photographs_and_darkness_images_are_not_fitted_together(dark_first: boo
     text = "3 trials are darkness images, as stroke 1 is, and 3 are photographs; one fit takes one kind"
     with pytest.raises(InputError, match=f"^{text}"):
         fitted([*dark, *photographs] if dark_first else [*photographs, *dark])
+    with pytest.raises(
+        InputError, match=r"^1 trial is a darkness image, as stroke 1 is, and 4 are photographs; one fit"
+    ):
+        fitted([dark[0], *draw_trials(MARKER, 4, 2)])

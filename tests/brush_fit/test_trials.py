@@ -431,6 +431,10 @@ def of_stroke(index: int, **change: object) -> Callable[[dict[str, Any]], object
         (of_stroke(2, path=[[0, float("nan"), 1]]), "stroke 3: path[0][1]: Input should be a finite number (got nan)"),
         (of_stroke(0, style="free"), "stroke 1: style: Extra inputs are not permitted (got 'free')"),
         (lambda c: c["strokes"][0].pop("after"), "stroke 1: after: Field required"),
+        (
+            lambda c: c["strokes"].append(c["strokes"][1]),
+            "strokes: stroke 4 is stroke 2 again, and would count twice; take one out",
+        ),
     ],
 )
 def test_a_list_with_a_fault_is_refused_by_stroke_and_field(

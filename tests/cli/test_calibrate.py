@@ -203,6 +203,19 @@ def test_a_grey_card_and_bare_paper_alone_do_too(photos: None) -> None:
     assert away(small("bare-flat.png"), np.ones_like(bare())) < PICTURE
 
 
+def test_the_lamp_of_a_sheet_of_another_size_is_noted_and_of_the_same_size_not(photos: None) -> None:
+    assert run("calibrate", "colours", "bare.png", *SIZE).code == 0
+    ran = run("calibrate", "camera", "bare.png", *SIZE, "--colours", "colours.json")
+    assert (ran.code, ran.stderr) == (0, "")
+    corners = "100,100 500,100 500,400 100,400"
+    words = ("--size", "50x40mm", "--corners", corners, "--colours", "colours.json", "--overwrite")
+    ran = run("calibrate", "camera", "bare.png", *words)
+    assert (ran.code, ran.stderr) == (
+        0,
+        "note: the lamp in colours.json is that of a sheet of another size; measure it on this one\n",
+    )
+
+
 @pytest.mark.parametrize(
     ("words", "text"),
     [

@@ -215,12 +215,19 @@ def test_a_stroke_that_was_under_the_brush_is_asked_about(monkeypatch: pytest.Mo
         (("--size", "30x30mm"), "of 5 strokes fit on a sheet of 30 x 30 mm"),
         (("--easel", "none.json"), "there is no easel none.json; check its name and folder"),
         (("--name", "marker"), "marker"),
+        (("--robot", "plotter", "--camera", "folder:."), "there is no machine 'plotter'; there are: "),
+        (
+            ("--robot", "grbl:/dev/absent", "--camera", "webcam"),
+            "'webcam' is not a camera; write usb:0, or folder:PATH",
+        ),
+        (("--view", "none.json"), "there is no camera's view none.json"),
     ],
 )
-def test_what_cannot_be_calibrated_is_one_sentence(words: tuple[str, ...], text: str) -> None:
+def test_what_cannot_be_calibrated_is_one_sentence_and_leaves_nothing(words: tuple[str, ...], text: str) -> None:
     ran = calibrate(*words)
     assert ran.code == 2
     assert text in ran.mistake
+    assert not Path("calibration").exists()
 
 
 def test_other_words_do_not_go_on_with_a_folder(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -97,6 +97,14 @@ def test_an_edit_says_what_it_wrote(folder: Path) -> None:
     assert again.mistake == f"{folder / 'said.json'} is already there; choose another --out, or add --overwrite"
 
 
+def test_strokes_of_a_painting_without_any_cannot_be_named(folder: Path) -> None:
+    (folder / "bare.json").unlink(missing_ok=True)
+    assert run("edit", folder / "plan" / "painting.json", "--remove", "all", "--out", folder / "bare.json").code == 0
+    for words in (("--lock", "all"), ("--remove", "3"), ("--move", "all:1,1")):
+        ran = run("edit", folder / "bare.json", *words, "--out", folder / "refused.json")
+        assert ran.mistake == (f"{words[0]} names strokes, and there are none in this painting; draw some with --add")
+
+
 @pytest.mark.parametrize(
     ("words", "text"),
     [

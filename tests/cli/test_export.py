@@ -287,6 +287,19 @@ def test_an_svg_per_pen_holds_the_strokes_of_that_pen_alone(here: Path) -> None:
     assert (sum(drawn), min(drawn) > 0) == (whole, True)
 
 
+@pytest.mark.parametrize(("words", "parts"), [(("--format", "svg", "--per-pen"), 2), (("--format", "hpgl"), 1)])
+def test_a_file_that_would_not_be_written_stands_in_nobodys_way(words: tuple[str, ...], parts: int) -> None:
+    path = Path(f"painting.plot.{words[1]}")
+    path.write_text("before")
+    ran = run("export", "painting.json", *words)
+    assert path.read_text() == "before"
+    if parts == 1:
+        assert ran.mistake == f"{path} is already there; choose another --out, or add --overwrite"
+    else:
+        assert ran.stdout.split() == ["painting.plot-1.svg", "painting.plot-2.svg"]
+        assert f"note: {path} is not of this export" in ran.stderr
+
+
 def test_an_svg_per_pen_says_where_a_pen_is_taken_up_again(here: Path) -> None:
     across = [line(i, (0.01, 0.01), (0.03, 0.03), paint=i % 2) for i in range(3)]
     write_painting(painting_of(across, [nominal("fineliner")]), here / "painting.json")

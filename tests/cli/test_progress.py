@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 import torch
 from PIL import Image, ImageSequence
+from rich.console import Console
 
-from maulstick.cli.progress import VideoRecorder
+from maulstick.cli.progress import VideoRecorder, progress_bar
 from maulstick.errors import how_to_add
 from maulstick.jobs.plan import prepare
 from maulstick.painting.painting_file import read_painting
@@ -48,6 +49,15 @@ def test_ctrl_c_before_the_planning_is_no_traceback_and_leaves_no_folder(
     monkeypatch.setattr(prepare, "lay_out_for", interrupt)
     assert paint(tmp_path / "out") == (130, "", "")
     assert os.listdir(tmp_path) == []
+
+
+@pytest.mark.parametrize(("wanted", "end"), [(True, "100 %"), (False, " 30 %")])
+def test_the_bar_of_a_plan_that_was_stopped_ends_where_it_was(wanted: bool, end: str) -> None:
+    shown = io.StringIO()
+    with progress_bar(Console(file=shown, width=100), 1, lambda: wanted) as show:
+        show(0.3, 0.5, {})
+    assert shown.getvalue().startswith("1 stroke ")
+    assert end in shown.getvalue()
 
 
 def test_a_video_ends_with_the_painting_and_stays_there(tmp_path: Path) -> None:

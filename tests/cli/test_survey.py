@@ -65,6 +65,11 @@ def test_results_are_two_questionnaires_and_a_csv(folder: Path) -> None:
     assert len((folder / "answers.csv").read_text().splitlines()) == 8
 
 
+def test_one_link_is_told_in_the_singular(folder: Path) -> None:
+    Answers(folder).mint(1)
+    assert run("survey", folder, "--results").stdout.splitlines()[0] == "1 link, 0 began, 0 finished"
+
+
 def test_a_survey_is_served_until_ctrl_c_and_says_where(folder: Path) -> None:
     port = free_port()
     (token,) = Answers(folder).mint(1)

@@ -1,3 +1,4 @@
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -5,8 +6,9 @@ import pytest
 from maulstick.drawing.options import DrawingOptions
 from maulstick.drawing.pens import LayerName
 from maulstick.drawing.read import read_drawing
+from maulstick.painting.painting import Painting
 from maulstick.painting.painting_file import write_painting
-from maulstick.painting.svg import AXIDRAW_SPEED, axidraw_svg
+from maulstick.painting.svg import AXIDRAW_SPEED, axidraw_svg, painting_svg
 from tests.drawing.conftest import Read, labels, points
 
 
@@ -151,6 +153,17 @@ def test_the_brush_is_as_wide_as_most_of_the_lines(read: Read) -> None:
     assert (brush.name, brush.beta) == ("fineliner 0.2 mm", 1e-4)
     (usual,) = read('<path d="M1 1h9"/>').painting.brushes.values()
     assert usual.name == "fineliner"
+
+
+@pytest.mark.parametrize("svg", [painting_svg, axidraw_svg])
+def test_names_of_layers_stay_as_they_are_however_often_a_drawing_is_exported_and_read(
+    read: Read, tmp_path: Path, svg: Callable[[Painting], str]
+) -> None:
+    painting = read(layer("1 bright ochre", path(1, "#d09a5a")) + layer("2", path(5, "#123456"))).painting
+    assert [paint.name for paint in painting.paints] == ["bright ochre", "2"]
+    once = svg(painting)
+    (tmp_path / "again.svg").write_text(once)
+    assert svg(read_drawing(tmp_path / "again.svg", DrawingOptions(keep_order=True)).painting) == once
 
 
 def test_an_svg_that_we_have_written_is_read_as_the_same_strokes(read: Read, tmp_path: Path) -> None:

@@ -264,7 +264,8 @@ def test_hatches_are_cut_by_clips(read: Read) -> None:
 @pytest.mark.parametrize(
     ("options", "fault"),
     [
-        ({"size": (30.0, 0.1)}, "size is 30000 mm on a side"),
+        ({"size": (30.0, 0.1)}, "size is 30000 mm on a side; it must be between 5 mm and 20 m"),
+        ({"size": (0.1, 0.004)}, "size is 4 mm on a side; it must be between 5 mm and 20 m"),
         ({"margin": 0.03}, "margin is 30 mm; it must be below 25 mm, half of the sheet's shorter side"),
         ({"margin": float("nan")}, "margin is nan mm"),
         ({"hatch": 1e-6}, "hatch is 0.001 mm"),

@@ -1,8 +1,9 @@
 import numpy as np
 import pytest
 
+from maulstick.drawing.read import Drawing
 from maulstick.errors import InputError
-from tests.drawing.conftest import Read, millimetres, points
+from tests.drawing.conftest import PAGE, Read, millimetres, points
 
 LINE = '<path d="M1 2L3 4"/>'
 
@@ -276,3 +277,72 @@ def test_uses_that_multiply_are_refused_before_they_fill_the_memory(read: Read) 
     layers = [f'<g id="g{i + 1}">{f"""<use href="#g{i}"/>""" * 10}</g>' for i in range(9)]
     with pytest.raises(InputError, match="its shapes come to over 64 MiB, counting every <use> of them"):
         read(f'<defs><g id="g0">{LINE}</g>{"".join(layers)}</defs><use href="#g9"/>')
+
+
+BOX = '<rect x="20" y="30" width="40" height="10" fill="none" stroke="black"/>'
+
+
+def box_of(drawing: Drawing) -> list[float]:
+    """Left, top, width and height of a drawing's strokes, millimetres."""
+    reached = np.concatenate(millimetres(drawing))
+    low = reached.min(axis=0)
+    return [*low.tolist(), *(reached.max(axis=0) - low).tolist()]
+
+
+@pytest.mark.parametrize(
+    ("style", "expected"),
+    [
+        ("rotate: 90deg; transform-origin: 50px 40px", [50, 10, 10, 40]),
+        ("rotate: -.25turn; transform-origin: 50px 20px", [60, 10, 10, 40]),
+        ("rotate: Z 100GRAD; transform-origin: 50px 40px", [50, 10, 10, 40]),
+        ("rotate: 90", [20, 30, 40, 10]),
+        ("scale: 1.5 50%", [30, 15, 60, 5]),
+        ("scale: 50%", [10, 15, 20, 5]),
+        ("scale: 2px", [20, 30, 40, 10]),
+        ("translate: 10px 5px", [30, 35, 40, 10]),
+        ("translate: 10%", [30, 30, 40, 10]),
+        ("translate: 10 5", [20, 30, 40, 10]),
+        ("translate: none; rotate: none; scale: none", [20, 30, 40, 10]),
+        ("transform: translate(-20px, -30px); scale: 1 2; translate: 3px", [3, 0, 40, 20]),
+    ],
+)
+def test_an_element_is_moved_by_the_properties_for_each_kind_of_move_as_in_a_browser(
+    read: Read, style: str, expected: list[float]
+) -> None:
+    assert box_of(read(f'<g style="{style}">{BOX}</g>')) == pytest.approx(expected, abs=1e-3)
+    ruled = f"<style>g {{ {style} }}</style><g>{BOX}</g>"
+    assert box_of(read(ruled)) == pytest.approx(expected, abs=1e-3)
+
+
+def test_there_are_no_attributes_of_these_names(read: Read) -> None:
+    assert box_of(read(f'<g translate="10 5" rotate="40" scale="2">{BOX}</g>')) == pytest.approx([20, 30, 40, 10])
+
+
+@pytest.mark.parametrize(
+    ("page", "expected"),
+    [
+        ('transform="translate(10 5)"', [22.6458, 31.3229, 40, 10]),  # in pixels, after the viewBox
+        ('transform="rotate(180)"', [40, 10, 40, 10]),
+        ('style="rotate: 180deg"', [40, 10, 40, 10]),
+        ('transform="scale(.5)" transform-origin="0 0"', [10, 15, 20, 5]),
+    ],
+)
+def test_the_whole_drawing_is_moved_about_the_middle_of_its_page_as_in_a_browser(
+    read: Read, page: str, expected: list[float]
+) -> None:
+    assert box_of(read(BOX, f"{PAGE} {page}")) == pytest.approx(expected, abs=1e-3)
+
+
+@pytest.mark.parametrize("hidden", ['display="NONE"', 'style="display: None"', 'style="visibility:HIDDEN"'])
+def test_words_of_any_case_hide(read: Read, hidden: str) -> None:
+    assert len(points(read(f'<g {hidden}>{BOX}</g><path d="M1 1h9" stroke="black"/>'))) == 1
+
+
+def test_what_is_visible_again_is_drawn_in_any_case_and_as_at_first(read: Read) -> None:
+    for visible in ("VISIBLE", "initial"):
+        assert points(read(f'<g visibility="hidden"><g style="visibility:{visible}">{BOX}</g></g>'))
+
+
+def test_a_quarter_of_a_millimetre_is_a_unit(read: Read) -> None:
+    page = 'width="400Q" height="200q" viewBox="0 0 100 50"'
+    assert box_of(read(BOX, page)) == pytest.approx([20, 30, 40, 10], abs=1e-3)

@@ -86,6 +86,14 @@ def test_a_line_of_the_layer_paint_is_a_locked_stroke_in_its_colour_cut_at_the_p
     assert len(painting.paints) <= 4
 
 
+def test_a_line_that_lies_off_the_sheet_has_no_paint_kept_for_it(folder: Path) -> None:
+    off = '<path d="M120 20 L180 30" fill="none" stroke="#ff00ff"/></g>'
+    (folder / "off.svg").write_text(GUIDES.replace("</g>", off))
+    prepared = prepared_with(folder, guides=folder / "off.svg", paints=1)
+    assert prepared.kept is not None
+    assert [paint.hex for paint in prepared.kept.paints] == ["#2244cc"]
+
+
 def test_a_guide_is_painted_in_the_very_paint_of_a_file_that_other_strokes_have(folder: Path) -> None:
     (folder / "tubes.csv").write_text("name,colour\nnight,#101010\nsky,#2244cc\n")
     painting = painted_with(prepared_with(folder, paints=None, paints_from=folder / "tubes.csv", steps=2))

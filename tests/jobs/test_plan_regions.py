@@ -224,6 +224,17 @@ def test_an_indexed_picture_says_the_same(folder: Path) -> None:
     assert np.array_equal(indexed.labels, painted.labels)
 
 
+def test_a_region_with_another_brush_than_the_inks_is_told_by_its_own(folder: Path) -> None:
+    with pytest.raises(InputError) as caught:
+        prepared_with(
+            folder, '[face]\ncolour="#ff0000"\nbrush="marker"\n[rest]', ink="black", paints=None, brush="fineliner"
+        )
+    assert str(caught.value) == (
+        "regions ask for marker beside fineliner, and ink is drawn with one brush; let them have that one, or paint in "
+        "colours"
+    )
+
+
 def test_one_ink_has_regions_too(folder: Path) -> None:
     say = '[dark]\ncolour="#ff0000"\nshare=0.7\n[sky]\ncolour="#0000ff"\nbare=true\n'
     prepared = prepared_with(folder, say, ink="black", paints=None, brush="fineliner", style="hatching")

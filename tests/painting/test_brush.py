@@ -1,5 +1,6 @@
 import json
 from pathlib import Path
+from threading import Thread
 
 import numpy as np
 import pytest
@@ -112,6 +113,11 @@ def test_a_brush_cannot_be_held_where_it_leaves_no_mark() -> None:
         Brush(name="dry", source="a test", alpha=0.002, beta=-0.001).held_at(0.2)
 
 
+def test_a_brush_cannot_be_held_where_its_mark_is_too_thin_to_be_told_from_none() -> None:
+    with pytest.raises(InputError, match=r"the brush dry leaves no mark at pressure 0\.5"):
+        Brush(name="dry", source="a test", alpha=0.002, beta=-0.000999999999).held_at(0.5)
+
+
 @pytest.fixture
 def own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """The folder of own brushes, of which there are none yet."""
@@ -171,6 +177,31 @@ def test_a_name_that_is_taken_is_refused_unless_it_may_be_overwritten(own: Path)
         BRUSHES.check_own_name("round", overwrite=True)
 
 
+def test_of_two_that_take_one_name_at_the_same_moment_only_one_gets_it(
+    own: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    refused, brush = [], Brush.model_validate(GOOD)
+
+    def write_the_other() -> None:
+        with pytest.raises(OutputError) as caught:
+            write_brush(brush.model_copy(update={"source": "the other"}), own / "twig.json", overwrite=False)
+        refused.append(str(caught.value))
+
+    also, replaced = Thread(target=write_the_other), Path.replace
+
+    def slowly(path: Path, target: Path) -> Path:
+        if not also.ident:
+            also.start()
+            also.join(timeout=0.5)  # longer than it takes where nothing holds it up
+        return replaced(path, target)
+
+    monkeypatch.setattr(Path, "replace", slowly)
+    write_brush(brush, own / "twig.json", overwrite=False)
+    also.join()
+    assert refused == ["there is a brush twig already; choose another name, or add overwrite"]
+    assert load_brush("twig").source == "a test"
+
+
 def test_a_brush_that_cannot_be_written_leaves_what_was_there(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("before")
     with pytest.raises(OutputError, match=r"cannot make the folder of brushes .*file"):
@@ -197,6 +228,11 @@ def test_an_unknown_brush_is_refused_with_the_brushes_there_are(own: Path) -> No
             {"alpha": 1.5, "beta": 0.5},
             "alpha + beta is 2 metres; it must be at most 0.1, so divide millimetres by 1000",
         ),
+        ({"alpha": 0, "beta": 1e-40}, "must be above 0, at least 0.000001 metres"),
+        ({"plateau": 0.99999999}, "plateau: it must be at most 0.999999 (got 0.99999999)"),
+        ({"falloff": 1e-50}, "falloff: it must be at least 0.000001 (got 1e-50)"),
+        ({"opacity": 1e-50}, "opacity: it must be at least 0.000001 (got 1e-50)"),
+        ({"b_x": 1e40}, "b_x: Input should be less than or equal to 1000000 (got 1e+40)"),
         ({"hairs": 7}, "hairs: Extra inputs are not permitted (got 7)"),
         ({"name": ""}, "name: String should have at least 1 character (got '')"),
         ({"depth": [0, "deep"]}, "depth[1]: Input should be a valid number"),

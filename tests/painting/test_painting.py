@@ -407,7 +407,7 @@ def of_point(*point: float) -> Damage:
         (of_stroke(2, id=-1), "strokes[2].id: Input should be greater than or equal to 0 (got -1)"),
         (of_stroke(0, colour="red"), "strokes[0].colour: Extra inputs are not permitted (got 'red')"),
         (of_stroke(0, trajectory=[]), "strokes[0].trajectory: Tuple should have at least 1 item"),
-        (of_stroke(1, speed=[0.1]), "strokes[1]: there are 1 speeds for 2 points; give one per point"),
+        (of_stroke(1, speed=[0.1]), "strokes[1]: it has 1 speed for 2 points; give one per point"),
         (of_stroke(1, speed=[0.1, 0]), "strokes[1].speed[1]: Input should be greater than 0 (got 0)"),
         (lambda p: p["strokes"][0]["style"].pop("code"), "strokes[0].style.code: Field required"),
         (of_point(0, 0), "strokes[0].trajectory[3][2]: Field required"),

@@ -136,7 +136,7 @@ def test_an_edit_is_the_same_after_it_was_written_and_read(edit: StrokeEdit) -> 
         (LockStrokes(strokes=(1, 99)), "there is no stroke 99 in the painting; name strokes by their ids"),
         (RepaintStrokes(strokes=(1,), paint=3), "the paint is 3; it must be an index into the 3 paints, from 0"),
         (AddStroke(paint=-1, trajectory=((0, 0, 0),)), "the paint is -1; it must be an index into the 3 paints"),
-        (AddStroke(paint=0, trajectory=((0, 0, 0),), speed=(1, 1)), "there are 2 speeds for 1 points; give as many"),
+        (AddStroke(paint=0, trajectory=((0, 0, 0),), speed=(1, 1)), "it has 2 speeds for 1 point; give as many"),
         (MoveStrokes(strokes=(1,), by=(1, 0)), "stroke 1 reaches 889.1 mm"),
         (AddStroke(paint=0, trajectory=((0.5, 0, 0),)), "stroke 6 reaches 300 mm beyond the sheet of 200 x 160 mm"),
     ],

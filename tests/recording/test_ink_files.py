@@ -69,6 +69,16 @@ def test_xml_is_read_in_other_encodings(file: Path, encoding: str) -> None:
     assert read_ink_file(file)[1] == "SVG"
 
 
+def test_paths_that_end_early_at_a_faulty_sign_are_told_by_their_number(file: Path) -> None:
+    paths = "".join(
+        f'<path d="M1 1L9 {y}{rest}"/>' for y, rest in ((5, ""), (6, " ;L50 50"), (7, " L90 10 x"), (8, "z"))
+    )
+    file.write_text(f'<svg width="100mm" height="50mm" viewBox="0 0 100 50">{paths}</svg>')
+    notes: list[str] = []
+    ink, _ = read_ink_file(file, note=notes.append)
+    assert (len(ink), notes) == (4, ["2 paths of drawing with faulty data: drawn up to the fault"])
+
+
 def test_size_and_longest_are_passed_on(file: Path) -> None:
     file.write_bytes(SVG)
     assert read_ink_file(file)[0].size == pytest.approx((0.1, 0.05), abs=1e-9)
@@ -107,6 +117,10 @@ def test_a_compressed_svg_is_refused_with_the_remedy(file: Path) -> None:
             "cannot read FILE as InkML: it declares entities; save it as plain InkML",
         ),
         (b'<svg><path d="M1 1 L foo 2"/></svg>', "cannot read FILE as SVG: it is damaged; save it again as plain SVG"),
+        (
+            b'<svg><path transform="rotate(oops)" d="M1 1h3"/></svg>',
+            "cannot read FILE as SVG: it is damaged; save it again as plain SVG",
+        ),
         (b"<svg/>", "cannot read FILE as SVG: there is no path or shape in it; convert text and objects to paths"),
         (
             b"<ink>" + b"<traceGroup>" * 9999 + b"</traceGroup>" * 9999 + b"</ink>",

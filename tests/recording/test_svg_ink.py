@@ -91,7 +91,9 @@ def test_what_is_not_displayed_is_no_stroke() -> None:
     assert ends(body) == [[[0, 0], [1, 1]]]
 
 
-@pytest.mark.parametrize("hidden", ['visibility="hidden"', 'style="visibility: hidden"', 'visibility="collapse"'])
+@pytest.mark.parametrize(
+    "hidden", ['visibility="hidden"', 'style="visibility: hidden"', 'visibility="collapse"', 'visibility="HIDDEN"']
+)
 def test_what_is_hidden_is_no_stroke_but_what_shows_in_a_hidden_group_is(hidden: str) -> None:
     body = f'<g {hidden}><path d="M0 0L9 9"/><path visibility="visible" d="M0 0L1 1"/></g><path {hidden} d="M0 0L8 8"/>'
     assert ends(body) == [[[0, 0], [1, 1]]]

@@ -11,7 +11,17 @@ from pydantic import ValidationError
 
 from maulstick.errors import InputError, OutputError
 from maulstick.strokes.ink import Ink, write_ink
-from maulstick.survey.questionnaire import Match, Opinions, Pair, Survey, SurveyHand, build, read_survey
+from maulstick.survey.app import participants
+from maulstick.survey.questionnaire import (
+    Match,
+    Opinions,
+    Pair,
+    Survey,
+    SurveyHand,
+    build,
+    read_survey,
+    read_survey_to_show,
+)
 from tests.survey.conftest import named, sources
 
 
@@ -20,6 +30,11 @@ def test_a_survey_is_what_was_built_when_it_is_read(tmp_path: Path) -> None:
     assert read_survey(tmp_path / "new" / "survey") == survey
     assert survey.match is not None
     assert [hand.name for hand in survey.match.hands] == ["Ada", "Bo", "Cy"]
+
+
+def test_a_survey_is_built_and_read_in_a_folder_that_is_named_in_words(tmp_path: Path) -> None:
+    survey = build(str(tmp_path / "survey"), "Whose?", *sources(tmp_path / "sources"))
+    assert read_survey(str(tmp_path / "survey")) == survey
 
 
 def test_a_survey_survives_json() -> None:
@@ -156,6 +171,16 @@ def test_a_picture_that_is_missing_is_named(folder: Path) -> None:
     (folder / "pair-1-look-2.png").unlink()
     with pytest.raises(InputError, match=r"there is no picture .*pair-1-look-2\.png"):
         read_survey(folder)
+
+
+def test_a_picture_that_was_damaged_is_named_before_anybody_is_shown_it(folder: Path) -> None:
+    picture = folder / "hand-2.png"
+    picture.write_bytes(picture.read_bytes()[:-30])
+    assert read_survey(folder).title == "Whose strokes?", "whose results are still there"
+    with pytest.raises(InputError, match=r"cannot read the picture .*hand-2\.png"):
+        read_survey_to_show(folder)
+    with pytest.raises(InputError, match=r"cannot read the picture .*hand-2\.png"):
+        participants(folder, lambda: None)
 
 
 def test_a_field_that_is_not_known_is_refused(folder: Path) -> None:

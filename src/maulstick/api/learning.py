@@ -28,7 +28,7 @@ def read_ink(path: str | Path, *, size: str | None = None, longest: str | None =
 
     size: the sheet that the page fills, as in ``A4``.  longest: the longer side of the drawing, as in ``150mm``.
     Raises InputError where the file is none of these, or both are given, or one with an .ink.npz, which has its size.
-    Warns where neither is, and the file does not say how large it was drawn.
+    Warns where neither is, and the file does not say how large it was drawn, and where a path's data is faulty.
 
         >>> read_ink(drawing).summary()
         '26 strokes, 1.01 m drawn on 100 x 100 mm, times not recorded, pressure not recorded'
@@ -44,7 +44,7 @@ def read_ink(path: str | Path, *, size: str | None = None, longest: str | None =
 
     sheet = None if size is None else parse_size(size)
     longer = None if longest is None else parse_longest(longest)
-    return read_ink_file(path, sheet, longer, _warn_of_size)[0]
+    return read_ink_file(path, sheet, longer, warn, "; say it with size or longest")[0]
 
 
 @checked
@@ -111,7 +111,3 @@ def fit_brush(trials: str | Path, name: str = "own", *, keep: bool = False) -> B
     for warning in (*found.warnings, *(left_out if found.left_out else ())):
         warn(warning)
     return found.brush
-
-
-def _warn_of_size(note: str) -> None:
-    warn(f"{note}; say it with size or longest")

@@ -27,6 +27,7 @@ from maulstick.painting.stroke_edits import (
     edited,
 )
 from maulstick.painting.svg import painting_svg
+from maulstick.storage.text import counted
 
 _NOTEBOOK_PX = 512  # height of the picture in a notebook, pixels: fits beside its code
 _WIDEST_PX = 4096  # its largest width: a frieze that is as high would be wider than any picture that is drawn
@@ -150,7 +151,10 @@ class Painting(records.Painting):
 
     def __repr__(self) -> str:
         """Say how many strokes there are, in how many paints and on which sheet; they themselves fill pages."""
-        return f"<Painting: {len(self.strokes)} strokes, {len(self.paints)} paints, {self.sheet.millimetres}>"
+        return (
+            f"<Painting: {counted(len(self.strokes), 'stroke')}, {counted(len(self.paints), 'paint')}, "
+            f"{self.sheet.millimetres}>"
+        )
 
     __str__ = __repr__
 

@@ -1,27 +1,34 @@
 """Warnings about what a fit's trials cannot determine."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 import numpy as np
 from torch import Tensor
 
 from maulstick.brush_fit.descent import Unknowns
-from maulstick.brush_fit.evidence import ENOUGH
+from maulstick.brush_fit.evidence import ENOUGH, Evidence
 from maulstick.brush_fit.initialise import has_pressures
-from maulstick.storage.arrays import Floats
+from maulstick.brush_fit.window import turned
 
 _WIDTH = 0.1  # share of the widest half-width: a larger standard error of alpha gets a warning
+_FINEST_PX = 1.0  # width of a mark: where it is less, broad pale marks and thin dark ones are photographed alike
 _SCALE = 0.03  # a larger standard error of m_x or m_y gets a warning
 
 
-def doubts(paths: Sequence[Floats], found: Unknowns, errors: Mapping[str, Tensor], opaque: bool) -> tuple[str, ...]:
-    """Return a sentence for each number that these strokes (n, 3) leave open.
+def doubts(evidence: Evidence, found: Unknowns, errors: Mapping[str, Tensor], opaque: bool) -> tuple[str, ...]:
+    """Return a sentence for each number that this evidence leaves open.
 
     errors: standard errors by name, in metres or shares; 0 where nothing moved a number.
     opaque: whether the ink was assumed to be opaque.
     """
-    said = []
+    said, paths = [], evidence.paths
+    widest = float(sum(found.numbers()[name] for name in ("alpha", "beta")))  # half-width, metres
     pressure = np.array([path[:, 2] for path in paths])
+    if turned(evidence.windows, evidence.pixels_per_metre):
+        said.append(
+            "the marks look as their paths do when these are turned by 180 degrees, so the brush fits neither; turn "
+            "the photographs, and fit again"
+        )
     if len(paths) < ENOUGH:
         said.append(
             f"only {len(paths)} strokes could be used: nothing was held out and nothing tried beyond the paper's "
@@ -33,11 +40,16 @@ def doubts(paths: Sequence[Floats], found: Unknowns, errors: Mapping[str, Tensor
             "alpha is 0 "
             "and every pressure draws alike; draw some strokes lighter and some deeper"
         )
-    elif float(errors["alpha"]) > _WIDTH * float(sum(found.numbers()[name] for name in ("alpha", "beta"))):
+    elif float(errors["alpha"]) > _WIDTH * widest:
         said.append(
             f"alpha is known to ± {1e3 * float(errors['alpha']):.2g} mm only, "
             f"since pressures go from {pressure.min():.2f} "
             f"to {pressure.max():.2f}; draw strokes over more pressures"
+        )
+    if (px := 2 * widest * evidence.pixels_per_metre) < _FINEST_PX:
+        said.append(
+            f"the mark is {px:.2g} pixels wide in the photographs as they were fitted: its width, falloff and opacity "
+            "cannot be told apart; draw shorter strokes, and photograph them from nearer"
         )
     for axis, error in zip("xy", errors["scale"].tolist(), strict=True):
         if error == 0:

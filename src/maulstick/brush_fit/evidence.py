@@ -11,6 +11,7 @@ from maulstick.brush_fit.trials import Trial, Trials
 from maulstick.brush_fit.window import Window, extent, look
 from maulstick.errors import InputError
 from maulstick.storage.arrays import Floats
+from maulstick.storage.text import counted
 from maulstick.strokes.strokes import POINTS, resample
 
 FEWEST = 5
@@ -76,7 +77,9 @@ def read_evidence(
         )
     if len(seen) < FEWEST:
         reasons = "; ".join(left_out[:3]) or "draw more"
-        raise InputError(f"{len(seen)} of {len(trials)} trials can be used, and {FEWEST} are needed: {reasons}")
+        raise InputError(
+            f"{len(seen)} of {counted(len(trials), 'trial')} can be used, and {FEWEST} are needed: {reasons}"
+        )
     _check_alike(seen)
     paths = tuple(resample(window.path, POINTS) for window in seen)
     return Evidence(tuple(seen), paths, pixels_per_metre / reduced), left_out
@@ -87,8 +90,9 @@ def _check_alike(windows: Sequence[Window]) -> None:
     dark = [window.name for window in windows if window.after.shape[2] == 1]
     if 0 < len(dark) < len(windows):
         raise InputError(
-            f"{len(dark)} trials are darkness images, as {dark[0]} is, and {len(windows) - len(dark)} are photographs; "
-            "one fit takes one kind, so put them into two folders"
+            f"{counted(len(dark), 'trial is a darkness image', 'trials are darkness images')}, as {dark[0]} is, and "
+            f"{counted(len(windows) - len(dark), 'is a photograph', 'are photographs')}; one fit takes one kind, "
+            "so put them into two folders"
         )
 
 

@@ -112,7 +112,7 @@ def fit_brush(
     return Fit(
         brush=_brush(executed, name, source, depth, lightest=float(evidence.pressures().min())),
         errors=_named(errors, _MEDIAN * scatter / np.sqrt(len(windows))),
-        warnings=doubts(paths, found, errors, opaque),
+        warnings=doubts(evidence, found, errors, opaque),
         left_out=tuple(left_out),
         strokes=len(windows),
         ink=tuple(ink.tolist()),

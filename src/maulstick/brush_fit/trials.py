@@ -69,6 +69,14 @@ class _Stroke(_Part):
     path: Annotated[tuple[_Point, ...], Field(min_length=1)]
 
 
+def _each_once(strokes: tuple[_Stroke, ...]) -> tuple[_Stroke, ...]:
+    first: dict[_Stroke, int] = {}
+    for number, stroke in enumerate(strokes, start=1):
+        if first.setdefault(stroke, number) != number:
+            raise InputError(f"stroke {number} is stroke {first[stroke]} again, and would count twice; take one out")
+    return strokes
+
+
 class _List(_Part):
     """Contents of trials.json; paper: the photograph before the next stroke."""
 
@@ -77,7 +85,7 @@ class _List(_Part):
     pixels_per_metre: Annotated[float, Field(gt=0)]
     depth: tuple[float, float]
     paper: _Photograph | None = None
-    strokes: tuple[_Stroke, ...]
+    strokes: Annotated[tuple[_Stroke, ...], AfterValidator(_each_once)]
 
 
 @final

@@ -31,6 +31,9 @@ _CLIPPED = 0.99  # a photograph with no darker pixel is overexposed
 _DARK = 0.1  # lit paper is brighter
 _CROSSED, _OLD_INK = 0.02, 0.15  # share of covered pixels on older ink, and how much such ink differs from the paper
 
+_SHAPE_POINTS = 64  # points of a path that is compared with its mark as a shape
+_CLEARLY = 1.25  # how much farther marks lie from their paths than from the turned ones; S-shapes and lines: 1
+
 
 @dataclass(frozen=True)
 class Window:
@@ -93,6 +96,25 @@ def crosses(windows: Sequence[Window]) -> bool:
         covered += int(window.covered.sum())
         crossed += int((window.covered & old).sum())
     return crossed > _CROSSED * covered
+
+
+def turned(windows: Sequence[Window], pixels_per_metre: float) -> bool:
+    """Return whether the marks are seen as their paths turned by 180 degrees rather than as the paths themselves.
+
+    Only shapes are compared, about their middles, since a turned window of one stroke still shows it near its path.
+    """
+    straight = upside_down = 0.0
+    for window in windows:
+        path = resample(window.path, _SHAPE_POINTS)[:, :2]
+        seen = np.argwhere(window.covered)[:, ::-1] + 0.5
+        middle = seen.mean(axis=0) / pixels_per_metre + window.corner
+        of_shape = path - path.mean(axis=0)
+        as_is, over = (
+            _distances(middle + shape, window.corner, window.covered.shape, pixels_per_metre)[window.covered].mean()
+            for shape in (of_shape, -of_shape)
+        )
+        straight, upside_down = straight + float(as_is), upside_down + float(over)
+    return straight > _CLEARLY * upside_down
 
 
 def _box(trial: Trial, pixels_per_metre: float, reach: float, reduced: int) -> tuple[int, int, int, int]:

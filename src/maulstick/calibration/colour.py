@@ -43,7 +43,8 @@ class Colours(BaseModel):
 
     lamp: coefficients of a cubic in x and y, -1 to 1 across the sheet: the logarithm of the light off bare paper, in
     each channel.  whites: light around the tags at that moment.  paper: colour of the sheet, sRGB in [0, 1].
-    matrix: (3, 3), from light under an even lamp to true light.
+    matrix: (3, 3), from light under an even lamp to true light.  sheet: width and height of the sheet of the lamp,
+    metres; None where that was not kept.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
@@ -53,11 +54,16 @@ class Colours(BaseModel):
     whites: dict[int, _Row]
     paper: tuple[_Share, _Share, _Share] = (1.0, 1.0, 1.0)
     matrix: tuple[_Row, _Row, _Row] = _UNCHANGED
+    sheet: tuple[float, float] | None = None
 
     @property
     def paper_light(self) -> Floats:
         """Light (3,) off the bare sheet under an even lamp; also a paper that is said to be black gives some."""
         return np.maximum(light_of(np.array(self.paper)), _BLACKEST)
+
+    def with_sheet(self, sheet: tuple[float, float]) -> Self:
+        """Return the colours with the size of their sheet, (width, height) in metres."""
+        return self.model_copy(update={"sheet": sheet})
 
     def with_matrix(self, matrix: Floats) -> Self:
         """Return the colours with another matrix (3, 3)."""

@@ -17,6 +17,7 @@ from maulstick.robot.easel import Easel
 from maulstick.robot.force import FeelsForce
 from maulstick.robot.limits import Limits, Point
 from maulstick.storage.arrays import Floats
+from maulstick.storage.text import counted
 
 MOST_ERROR: Final = 1e-3
 """Largest root mean square distance of touched points from their places on the plane, metres."""
@@ -45,7 +46,10 @@ def easel_from_touches(touched: Floats, places: Floats, deepest: float = 0.0, tr
             f"touched places have shape {touched.shape} and {places.shape}; they must be (k, 3) and (k, 2)"
         )
     if len(touched) < 3:
-        raise InputError(f"{len(touched)} points are touched; a plane needs at least 3, best the corners of the sheet")
+        raise InputError(
+            f"{counted(len(touched), 'point is', 'points are')} touched; a plane needs at least 3, "
+            "best the corners of the sheet"
+        )
     from_places, from_touched = places - places.mean(axis=0), touched - touched.mean(axis=0)
     for name, centred in (("places on the sheet", from_places), ("touched points", from_touched)):
         spread = np.linalg.svd(centred, compute_uv=False)[1] / len(centred) ** 0.5

@@ -25,6 +25,7 @@ from maulstick.painting.painting_file import read_painting
 from maulstick.painting.picture import READ_PX, read_picture
 from maulstick.painting.raster import Canvas
 from maulstick.storage.files import atomic_write
+from maulstick.storage.text import counted
 
 if TYPE_CHECKING:
     from maulstick.painting.metrics import Metrics
@@ -64,7 +65,7 @@ def compare(
     if picture is not None and photo is not None:
         shown = PictureEdit.of(plans[0].provenance.options).applied(picture)
         panels.insert(0, Panel("photograph", photo.name, plans[0].area[2:], partial(_over, shown)))
-    title = f"{len(plans)} paintings" + ("" if photo is None else f" of {photo.name}")
+    title = counted(len(plans), "painting") + ("" if photo is None else f" of {photo.name}")
     told = "each as its own brushes leave it, all at one scale"
     note = "" if picture is None else "likeness to the photograph is measured over the picture's area"
     atomic_write(out, compare_plot(panels, title, told, note, px))
@@ -108,7 +109,7 @@ def _over(picture: NDArray[np.float32], canvas: Canvas) -> NDArray[np.float32]:
 
 
 def _note(plan: Painting, likeness: "Metrics | None") -> str:
-    counts = f"{len(plan.strokes)} strokes, {len(plan.paints)} paint{'s' if len(plan.paints) != 1 else ''}"
+    counts = f"{counted(len(plan.strokes), 'stroke')}, {counted(len(plan.paints), 'paint')}"
     return counts if likeness is None else f"{counts}, {_metrics(likeness)}"
 
 

@@ -9,7 +9,7 @@ import typer
 from rich.console import Console
 
 from maulstick.cli.lengths import metres, with_unit
-from maulstick.drawing.options import DrawingOptions
+from maulstick.drawing.options import LONGEST, DrawingOptions
 from maulstick.errors import InputError
 from maulstick.jobs.paintable import read_paintable
 from maulstick.painting.painting import Painting
@@ -67,7 +67,7 @@ def drawing_options(
     if rotate not in _TURNS:
         raise InputError.of_range("--rotate", rotate, "0, 90, 180 or 270")
     given: dict[str, Any] = {
-        "size": None if size is None else parse_size(size),
+        "size": None if size is None else parse_size(size, LONGEST),
         "margin": None if margin is None else metres(margin, "--margin"),
         "rotate": int(rotate) or None,
         **({} if hatch is None else _hatch(hatch)),

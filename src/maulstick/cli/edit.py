@@ -24,10 +24,13 @@ from maulstick.painting.stroke_edits import (
     UnlockStrokes,
     edited,
 )
+from maulstick.storage.text import counted
 from maulstick.strokes.ink import read_ink
 
 _HELD = 0.5  # pressure of drawn strokes without any: half as deep as a brush goes
 _MOST_IDS = 1_000_000  # in a range: more than any painting has strokes
+
+_SAY_SIZE = "; say it with maulstick record ink --size, and add that ink"
 
 _edits = partial(typer.Option, rich_help_panel="Edits, made in this order")
 _writing = partial(typer.Option, rich_help_panel="What is written")
@@ -101,7 +104,7 @@ def edit(
     after = edited(before, edits)
     write_painting(after, out)
     locked = sum(stroke.locked for stroke in after.strokes)
-    print(f"{out}: {len(after.strokes)} strokes, {locked} of them locked")
+    print(f"{out}: {counted(len(after.strokes), 'stroke')}, {locked} of them locked")
 
 
 def _index(number: int, painting: Painting) -> int:
@@ -117,7 +120,9 @@ def _drawn(text: str, painting: Painting) -> list[AddStroke]:
     from maulstick.recording.files.ink_files import read_ink_file  # loads parsers
 
     path, paint = Path(file), _index(int(number), painting)
-    ink = read_ink(path) if path.suffix.lower() == ".npz" else read_ink_file(path, note=_print_note)[0]
+    ink = (
+        read_ink(path) if path.suffix.lower() == ".npz" else read_ink_file(path, note=_print_note, remedy=_SAY_SIZE)[0]
+    )
     strokes = []
     for samples in ink.strokes():
         points = samples[:, 1:4]
@@ -128,7 +133,7 @@ def _drawn(text: str, painting: Painting) -> list[AddStroke]:
 
 def _print_note(note: str) -> None:
     console = Console(stderr=True, markup=False, highlight=False)
-    console.print(f"note: {note}; say it with maulstick record ink --size, and add that ink", soft_wrap=True)
+    console.print(f"note: {note}", soft_wrap=True)
 
 
 def _parts(
@@ -147,6 +152,8 @@ def _parts(
 
 
 def _ids(text: str, name: str, painting: Painting) -> tuple[int, ...]:
+    if not painting.strokes:
+        raise InputError(f"{name} names strokes, and there are none in this painting; draw some with --add")
     ids: list[int] = []
     for part in map(str.strip, text.split(",")):
         if of_region := [stroke.id for stroke in painting.strokes if part in ("all", stroke.region)]:

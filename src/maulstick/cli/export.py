@@ -24,7 +24,7 @@ from maulstick.cli.drawing import (
 )
 from maulstick.cli.folder import check_other, check_place
 from maulstick.errors import InputError
-from maulstick.jobs.export import DIALECTS, FORMATS, Export, ExportOptions, exported
+from maulstick.jobs.export import DIALECTS, FORMATS, Export, ExportFile, ExportOptions, exported
 from maulstick.robot.easel import Pen
 from maulstick.robot.export.hpgl import CAROUSEL
 from maulstick.storage.files import atomic_write
@@ -105,31 +105,33 @@ def export(
         tray=tray,
     )
     path = out or painting.parent / f"{painting.stem}.plot.{format}"
-    _check(path, painting, overwrite)
+    in_parts = per_pen or format == "hpgl"  # perhaps: then nothing is written to this path itself
+    _check(path, painting, overwrite or in_parts)
     drawing = drawing_options(size, margin, rotate, hatch, hatch_hand, no_repeats, join, shortest, keep_order)
     export = exported(read_plan(painting, drawing), options)
+    files = _files_of(export, path)
+    for file in files:
+        _check(file, painting, overwrite)
     for note in export.notes:
         _say(f"note: {note}")
-    files = _files_of(export, path, painting, overwrite)
-    for file, text in files.items():
-        atomic_write(file, text.encode())
+    for file, part in files.items():
+        if part.pens:
+            _say(f"{file}: {part.pens}")
+    for file, part in files.items():
+        atomic_write(file, part.text.encode())
         print(file, flush=True)
-    if format == "hpgl" or per_pen:
+    if in_parts:
         for file in sorted(_of_parts(path) - set(files)):
             _say(f"note: {file} is not of this export; delete it if an earlier one, with other pens, left it")
 
 
-def _files_of(export: Export, path: Path, painting: Path, overwrite: bool) -> dict[Path, str]:
-    """Return the texts by their files, and say which pens are in each where there are several."""
+def _files_of(export: Export, path: Path) -> dict[Path, ExportFile]:
+    """Return the parts of an export by the files that they go to: the path itself, or numbered ones beside it."""
     if len(export.files) == 1:
-        return {path: export.files[0].text}
-    files = {}
-    for number, part in enumerate(export.files, start=1):
-        file = path.with_name(f"{path.stem}-{number}{path.suffix}")
-        _check(file, painting, overwrite)
-        files[file] = part.text
-        _say(f"{file}: {part.pens}")
-    return files
+        return {path: export.files[0]}
+    return {
+        path.with_name(f"{path.stem}-{number}{path.suffix}"): part for number, part in enumerate(export.files, start=1)
+    }
 
 
 def _check(file: Path, painting: Path, overwrite: bool) -> None:

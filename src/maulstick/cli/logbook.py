@@ -5,6 +5,7 @@ from rich.table import Table
 from rich.text import Text
 
 from maulstick.robot.logbook import logbook_path, read_logbook, totals
+from maulstick.storage.text import counted
 
 
 def print_logbook(machine: str | None) -> None:
@@ -14,7 +15,7 @@ def print_logbook(machine: str | None) -> None:
         nothing = "no real machine has painted" if machine is None else f"nothing was painted on {machine}"
         print(f"{nothing} so far (the simulated easel is not counted)")
         return
-    table = Table(title=f"{len(runs)} runs" if len(runs) > 1 else "1 run", caption=str(logbook_path()))
+    table = Table(title=counted(len(runs), "run"), caption=str(logbook_path()))
     for column in ("pen", "metres", "minutes", "strokes", "runs", "last"):
         table.add_column(column, justify="left" if column in ("pen", "last") else "right", overflow="fold")
     for name, total in totals(runs).items():

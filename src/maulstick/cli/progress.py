@@ -10,6 +10,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
 from maulstick.painting.video import Video
+from maulstick.storage.text import counted
 
 if TYPE_CHECKING:
     from maulstick.planning.result import PlanProgress as Step
@@ -18,10 +19,15 @@ _FRAMES = 160  # of a video, at most: enough for some seconds of it
 
 
 @contextmanager
-def progress_bar(console: Console, strokes: int) -> Iterator[Callable[[float, float, Mapping[str, float]], None]]:
-    """Show a progress bar; yields a function that takes the share done in [0, 1], the loss, and its parts by name."""
+def progress_bar(
+    console: Console, strokes: int, wanted: Callable[[], bool]
+) -> Iterator[Callable[[float, float, Mapping[str, float]], None]]:
+    """Show a progress bar; yields a function that takes the share done in [0, 1], the loss, and its parts by name.
+
+    wanted: whether nobody has stopped it; what was stopped ends where it was.
+    """
     columns = (
-        TextColumn(f"{strokes} strokes"),
+        TextColumn(counted(strokes, "stroke")),
         BarColumn(),
         TextColumn("{task.percentage:3.0f} %"),
         TextColumn("loss {task.fields[loss]}{task.fields[parts]}"),
@@ -35,7 +41,8 @@ def progress_bar(console: Console, strokes: int) -> Iterator[Callable[[float, fl
             bar.update(task, completed=done, loss=f"{loss:.5f}", parts=f" ({shares})" if len(parts) > 1 else "")
 
         yield show
-        bar.update(task, completed=1.0)
+        if wanted():
+            bar.update(task, completed=1.0)
 
 
 @contextmanager

@@ -10,9 +10,10 @@ from rich.text import Text
 
 from maulstick.errors import InputError, how_to_add
 from maulstick.storage.files import atomic_write
+from maulstick.storage.text import counted
 from maulstick.studio.server.link import pages_at
 from maulstick.survey.answers import Answers
-from maulstick.survey.questionnaire import read_survey
+from maulstick.survey.questionnaire import read_survey_to_show
 
 
 def survey(
@@ -40,10 +41,11 @@ def survey(
         raise InputError.of_range("the port", port, "from 1 to 65535")
     if results and links is not None:
         raise InputError("--links and --results were both given; run one after the other")
-    read_survey(folder)
     if results:
         _print_results(folder)
-    elif links is not None:
+        return
+    read_survey_to_show(folder)
+    if links is not None:
         for token in Answers(folder).mint(links):
             print(f"{pages_at(host, port)}{token}")
     else:
@@ -80,7 +82,7 @@ def _print_results(folder: Path) -> None:
 
     found = results_of(folder)
     console = Console()
-    print(f"{found.links} links, {found.begun} began, {found.finished} finished")
+    print(f"{counted(found.links, 'link')}, {found.begun} began, {found.finished} finished")
     if found.matching is not None:
         show("Which hand was chosen", matching_rows(found.matching))
         show("How often it was the right one", right_rows(found.matching))

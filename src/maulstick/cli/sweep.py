@@ -10,6 +10,7 @@ from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedCo
 from rich.text import Text
 
 from maulstick.cli.exit_codes import STOPPED
+from maulstick.storage.text import counted
 
 if TYPE_CHECKING:
     from maulstick.jobs.sweep.sweep import Standing
@@ -59,7 +60,9 @@ def sweep(
             rows, written = run(request, show, lambda said: console.print(f"note: {said}", soft_wrap=True))
         stopped = not wanted()
     finished = sum(not row["fault"] for row in rows)
-    Console().print(Text(f"{finished} of {len(rows)} cells finished in {out}: {', '.join(written)}"), soft_wrap=True)
+    Console().print(
+        Text(f"{finished} of {counted(len(rows), 'cell')} finished in {out}: {', '.join(written)}"), soft_wrap=True
+    )
     if stopped and finished < len(rows):
         console.print("the same command goes on from where it was stopped", soft_wrap=True)
         raise typer.Exit(STOPPED)

@@ -39,6 +39,9 @@ READ: Final = (
 )
 """Properties that are read, these among them."""
 
+MOVES: Final = frozenset({"rotate", "scale", "translate"})
+"""Properties that move an element, beside `transform`, and that no attribute says."""
+
 GEOMETRY: Final = frozenset({"cx", "cy", "d", "height", "r", "rx", "ry", "width", "x", "y"})
 """Properties that are read from attributes alone, but for the size of the page."""
 

@@ -11,8 +11,10 @@ from defusedxml import DefusedXmlException  # type: ignore[import-untyped]
 from svgelements import Matrix, Viewbox  # type: ignore[import-untyped]
 
 from maulstick.drawing.css import Style
+from maulstick.drawing.lengths import pixels
+from maulstick.drawing.transforms import transform_of
 from maulstick.errors import InputError
-from maulstick.recording.files.markup import METRES, parsed
+from maulstick.recording.files.markup import parsed
 
 SVG_SPACE: Final = "http://www.w3.org/2000/svg"
 INKSCAPE: Final = "{http://www.inkscape.org/namespaces/inkscape}"
@@ -20,12 +22,8 @@ INKSCAPE: Final = "{http://www.inkscape.org/namespaces/inkscape}"
 NO_PLACE: Final = "a point in it has no place: it is no number, or too large; mend or delete that path"
 """Fault of a drawing whose numbers are damaged."""
 
-_SIDES = {"left": "0%", "top": "0%", "center": "50%", "right": "100%", "bottom": "100%"}
-_PPI = 96  # pixels per inch, as CSS has it
-_FONT_UNITS = {"em": 16.0, "rem": 16.0, "ex": 8.0, "ch": 8.0}  # pixels of a usual font: a drawing has no text
 _SMALLEST, _LARGEST = 1e-2, 1e7  # pixels of a page's side: above the micrometre that lengths are rounded to; 2.6 km
 _PAGE = 1000.0  # pixels: each side of a page whose file does not say it, as vpype has it
-_LENGTH = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([a-zA-Z]+|%|)\s*")
 _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 _COORDINATE = re.compile(rf"({_NUMBER.pattern})\s*,?\s*")
 
@@ -60,19 +58,6 @@ def coordinates(text: str) -> tuple[list[float], bool]:
         read.append(float(match[1]))
         end = match.end()
     return read[: len(read) // 2 * 2], end == len(text) and len(read) % 2 == 0
-
-
-def pixels(text: str | None, whole: float = 0.0) -> float | None:
-    """Return a length in pixels, 96 per inch, or None where it is none; a percentage is of `whole`."""
-    match = _LENGTH.fullmatch(text or "")
-    if match is None:
-        return None
-    number, unit = float(match[1]), match[2].lower()
-    if unit == "%":
-        return number / 100 * whole
-    if unit in _FONT_UNITS:
-        return number * _FONT_UNITS[unit]
-    return number * METRES[unit or "px"] / METRES["px"] if unit in (*METRES, "") else None
 
 
 @dataclass(frozen=True)
@@ -128,7 +113,8 @@ class Page:
             sides = f"a width and a height from {_SMALLEST:g} to {_LARGEST:g}"
             raise InputError(f"its page is {width:g} x {height:g} pixels; give it {sides}")
         matrix, viewport = viewed(root, (0.0, 0.0, width, height))
-        return cls(width, height, matrix, viewport, said)
+        moved = transform_of(style, width, height, "center")
+        return cls(width, height, matrix * moved, viewport, said)
 
 
 def _length(text: str | None, otherwise: str, whole: float) -> float:
@@ -157,26 +143,3 @@ def viewed(element: Element, place: tuple[float, float, float, float]) -> tuple[
         return Matrix.translate(*place[:2]), Viewport(*place[2:])
     aspect = " ".join(element.get("preserveAspectRatio", "xMidYMid").replace("defer", "").split())
     return Matrix(Viewbox.viewbox_transform(*place, *view, aspect or "xMidYMid")), Viewport(*view[2:])
-
-
-def transform_of(text: str | None, origin: str, viewport: Viewport) -> Matrix:
-    """Return the matrix of a transform about its origin; one that is faulty is none, as in browsers."""
-    if not text:
-        return Matrix()
-    try:
-        matrix = Matrix(text)
-        matrix.render(ppi=_PPI, width=viewport.width, height=viewport.height)
-        x, y = _origin(origin, viewport)
-        return Matrix.translate(-x, -y) * Matrix(*(float(matrix[i]) for i in range(6))) * Matrix.translate(x, y)
-    except (ValueError, TypeError, IndexError):
-        return Matrix()
-
-
-def _origin(text: str, viewport: Viewport) -> tuple[float, float]:
-    """Return the point of a transform-origin such as ``50 50``, ``50% 1cm`` or ``bottom right``, else (0, 0)."""
-    words = [*(text.lower().split() or ("0", "0")), "center"][:2]
-    if words[0] in ("top", "bottom") or words[1] in ("left", "right"):
-        words.reverse()
-    across, down = (_SIDES.get(word, word) for word in words)
-    x, y = pixels(across, viewport.width), pixels(down, viewport.height)
-    return (0.0, 0.0) if x is None or y is None else (x, y)

@@ -1,20 +1,19 @@
 """Outlines of SVG shapes as chains of cubic Béziers, in the shape's own user units."""
 
-import re
 from collections.abc import Callable
 from xml.etree.ElementTree import Element
 
 import numpy as np
 from svgelements import Ellipse, Path, Rect  # type: ignore[import-untyped]
 
-from maulstick.drawing.document import NO_PLACE, Viewport, coordinates, pixels
+from maulstick.drawing.document import NO_PLACE, Viewport, coordinates
+from maulstick.drawing.lengths import pixels
 from maulstick.errors import InputError
 from maulstick.recording.files.markup import local_name
-from maulstick.recording.files.svg_paths import chains_of
+from maulstick.recording.files.svg_paths import chains_of, is_whole
 from maulstick.storage.arrays import Floats
 
 _CORNERED = ("polyline", "polygon")
-_FOREIGN = re.compile(r"[^MmZzLlHhVvCcSsQqTtAaEe\d.,+\-\s]")  # to a path's data: svgelements ends there in silence
 
 
 def outline(element: Element, viewport: Viewport) -> tuple[list[Floats], bool]:
@@ -41,7 +40,7 @@ def _path(data: str) -> tuple[list[Floats], bool]:
         path.parse(data)
     except (ValueError, TypeError, IndexError, AttributeError, ZeroDivisionError):
         return _chains(path), False
-    return _chains(path), data.strip() == "none" or _FOREIGN.search(data) is None
+    return _chains(path), is_whole(data)
 
 
 def _chains(path: Path) -> list[Floats]:

@@ -1,18 +1,20 @@
 """Options of how an SVG is read."""
 
 from math import isfinite
-from typing import Annotated, Literal
+from typing import Annotated, Final, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict
 
 from maulstick.errors import InputError, option
-from maulstick.painting.raster import parse_length, parse_size
+from maulstick.painting.raster import SMALLEST, parse_length, parse_size
 
-_SIDES = (1e-3, 20.0)  # metres of a sheet's side: beyond, the unit is probably wrong
+LONGEST: Final = 20.0
+"""Most metres of a side of a drawing's sheet: beyond, the unit is probably wrong."""
+
 _SPACINGS = (5e-5, 0.1)  # metres between hatching lines: a pen's line is wider than the least
 
 _Size = Annotated[
-    tuple[float, float], BeforeValidator(lambda size: parse_size(size) if isinstance(size, str) else size)
+    tuple[float, float], BeforeValidator(lambda size: parse_size(size, LONGEST) if isinstance(size, str) else size)
 ]
 _Length = Annotated[float, BeforeValidator(lambda said: parse_length(said) if isinstance(said, str) else said)]
 
@@ -46,8 +48,9 @@ class DrawingOptions(BaseModel):
     def check(self) -> None:
         """Raise InputError for an option that is out of its range."""
         for side in self.size or ():
-            if not _SIDES[0] <= side <= _SIDES[1]:
-                raise InputError.of_range(option("size"), f"{1e3 * side:g} mm on a side", "from 1 to 20000 mm")
+            if not SMALLEST <= side <= LONGEST:
+                allowed = f"between {1e3 * SMALLEST:g} mm and {LONGEST:g} m"
+                raise InputError.of_range(option("size"), f"{1e3 * side:g} mm on a side", allowed)
         self._check_within_a_sheet("margin", 0.0 if self.margin is None else self.margin)
         if self.hatch is not None and not _SPACINGS[0] <= self.hatch <= _SPACINGS[1]:
             raise InputError.of_range(option("hatch"), f"{1e3 * self.hatch:g} mm", "from 0.05 to 100 mm between lines")
@@ -59,5 +62,5 @@ class DrawingOptions(BaseModel):
         self._check_within_a_sheet("shortest", self.shortest)
 
     def _check_within_a_sheet(self, name: str, length: float) -> None:
-        if not 0 <= length <= _SIDES[1]:
-            raise InputError.of_range(option(name), f"{1e3 * length:g} mm", f"from 0 to {1e3 * _SIDES[1]:g} mm")
+        if not 0 <= length <= LONGEST:
+            raise InputError.of_range(option(name), f"{1e3 * length:g} mm", f"from 0 to {1e3 * LONGEST:g} mm")

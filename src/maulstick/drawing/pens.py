@@ -8,6 +8,7 @@ from typing import Self
 
 from maulstick.drawing.css import Rgb
 from maulstick.drawing.shapes import Group, Shape
+from maulstick.painting.painting import hex_colour
 
 _BLACK: Rgb = (0.0, 0.0, 0.0)
 _WHITE: Rgb = (1.0, 1.0, 1.0)  # the paper's: hatching it shows nothing
@@ -65,6 +66,15 @@ class Pen:
     layer: LayerName
     drawn: list[int] = field(default_factory=list)
     filled: list[int] = field(default_factory=list)
+
+    @property
+    def name(self) -> str | None:
+        """Name of the layer without what a painting's own layers have after theirs: the colour, and the brush."""
+        if self.layer.name is None:
+            return None
+        words = self.layer.name.split(" ")
+        own = hex_colour(self.colour)
+        return " ".join(words[: words.index(own)]) or None if own in words else self.layer.name
 
 
 def pens_of(shapes: Sequence[Shape], hatches: bool) -> list[Pen]:

@@ -201,7 +201,7 @@ def _painting(
         sheet=sheet,
         provenance=Provenance(version=version("maulstick"), options=said),
         brushes={brush.name: brush},
-        paints=tuple(Paint(colour=pen.colour, brush=brush.name, name=pen.layer.name) for pen, _ in used),
+        paints=tuple(Paint(colour=pen.colour, brush=brush.name, name=pen.name) for pen, _ in used),
         strokes=tuple(strokes),
         literal=True,
     )

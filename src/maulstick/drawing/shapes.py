@@ -12,11 +12,12 @@ from xml.etree.ElementTree import Element
 import numpy as np
 from svgelements import Matrix  # type: ignore[import-untyped]
 
-from maulstick.drawing.css import GEOMETRY, Rgb, Style, colour_of, inherited, is_zero, referred, unread
-from maulstick.drawing.document import INKSCAPE, SVG_SPACE, Page, Viewport, numbers, transform_of, viewed
+from maulstick.drawing.css import GEOMETRY, MOVES, Rgb, Style, colour_of, inherited, is_zero, referred, unread
+from maulstick.drawing.document import INKSCAPE, SVG_SPACE, Page, Viewport, numbers, viewed
 from maulstick.drawing.geometry import is_shape, outline
 from maulstick.drawing.lines import bounds_of
 from maulstick.drawing.style_sheet import StyleSheet
+from maulstick.drawing.transforms import transform_of
 from maulstick.errors import InputError
 from maulstick.recording.files.markup import local_name
 from maulstick.storage.arrays import Floats
@@ -27,6 +28,8 @@ NEVER: Final = "%"
 _MOST_ELEMENTS = 1_000_000  # with every <use> and clip replaced: ten times a large drawing
 _DEEPEST = 100  # of groups within groups: more than programs write, and less than Python's stack allows
 _GROUPS = ("svg", "g", "a", "switch")
+_TRANSFORMS = MOVES | {"transform"}
+_HIDDEN = ("hidden", "collapse")
 _TEXTS = ("text", "flowRoot", "foreignObject")
 _TEXT = "it has text{where}; a pen draws paths: make them in Inkscape by Path > Object to Path, and save it again"
 _IMAGE = "it has a picture{where}; a pen draws paths: trace it in Inkscape by Path > Trace Bitmap, or delete it"
@@ -138,7 +141,7 @@ class Walk:
         style = inherited(place.style, own)
         if tag in _GROUPS or tag == "use":
             yield from self._group(element, tag, own, replace(place, style=style))
-        elif style.get("visibility", "visible") == "visible":
+        elif style.get("visibility", "visible") not in _HIDDEN:
             if tag in _TEXTS and "".join(element.itertext()).strip():
                 raise InputError(_TEXT.format(where=_named(element)))
             if tag == "image":
@@ -228,11 +231,11 @@ class Walk:
 
     def _transformed(self, own: Style, place: _Place) -> _Place:
         """Return the place after the transform that an element, or a clip of it, has of its own."""
-        if "transform" not in own:
+        if not own.keys() & _TRANSFORMS:
             return place
         if own.get("transform-box", "view-box") != "view-box":
             self.passed_over.add("transform-box")
-        matrix = transform_of(own["transform"], own.get("transform-origin", ""), place.viewport)
+        matrix = transform_of(own, place.viewport.width, place.viewport.height)
         return replace(place, matrix=matrix * place.matrix)
 
     def _clipped(self, element: Element, own: Style, place: _Place) -> _Place:
@@ -269,7 +272,7 @@ class Walk:
 
     def _box_of(self, element: Element, place: _Place) -> Matrix:
         """Return what takes the unit square to the box around an element's unclipped shapes, in its coordinates."""
-        own = {name: each for name, each in self.sheet.of(element).items() if name != "transform"}
+        own = {name: each for name, each in self.sheet.of(element).items() if name not in _TRANSFORMS}
         place, tag = replace(place, matrix=Matrix(), clips=()), local_name(element)
         faulty, before, self._clipping, self._measuring = self.faulty, self._clipping, False, True
         if tag == "use":

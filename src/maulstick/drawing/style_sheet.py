@@ -21,6 +21,7 @@ _IN_USE = re.compile(r"::|:(?:hover|focus|active|visited|target|before|after)\b"
 _IMPORTANT = re.compile(r"!\s*important", re.IGNORECASE)
 _NAME = re.compile(r"[.#]?[\w-]+")
 _TAG = re.compile(r"(?<![.#\w-])[\w-]+")
+_OF_WORDS = frozenset({"clip-rule", "display", "fill-rule", "overflow", "transform-box", "visibility"})  # of any case
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,7 +105,8 @@ class StyleSheet:
         declared.append(_declared(element.get("style", "")))
         for properties in (*(each.usual for each in declared), *(each.important for each in declared)):
             given |= properties
-        return {name: value for name, value in given.items() if value not in ("inherit", "unset")}
+        said = {name: value.lower() if name in _OF_WORDS else value for name, value in given.items()}
+        return {name: value for name, value in said.items() if value.lower() not in ("inherit", "unset")}
 
     def where_it_stands(self, element: Element) -> Style:
         """Return the style of an element by itself and all around it, and not by what refers to it."""

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Annotated, Self
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from maulstick.errors import InputError, OutputError, validation_fault
 from maulstick.kinds import checked
@@ -14,8 +14,25 @@ from maulstick.storage.arrays import Floats
 from maulstick.storage.files import atomic_write, read_whole
 from maulstick.storage.library import Library
 
-_Number = Annotated[float, Field(allow_inf_nan=False)]
+_LARGEST = 1e6  # far more than any number of a brush; the renderer squares lengths in single precision
+_LEAST = 1e-6  # of a share, a scale, an exponent, and a half-width in metres: the renderer must tell it from 0
 
+
+def _told_from_0(number: float) -> float:
+    if number < _LEAST:
+        raise ValueError(f"it must be at least {_LEAST:f}")
+    return number
+
+
+def _told_from_1(number: float) -> float:
+    if number > 1 - _LEAST:
+        raise ValueError(f"it must be at most {1 - _LEAST:f}")
+    return number
+
+
+_Number = Annotated[float, Field(allow_inf_nan=False, ge=-_LARGEST, le=_LARGEST)]
+_Positive = Annotated[_Number, Field(gt=0), AfterValidator(_told_from_0)]
+_Share = Annotated[_Number, Field(gt=0, le=1), AfterValidator(_told_from_0)]
 
 Name = PrintableName
 """Name of one printable character or more."""
@@ -55,30 +72,32 @@ class Brush(BaseModel):
 
     name: Name
     source: Printable
-    m_x: Annotated[_Number, Field(gt=0)] = 1.0
-    m_y: Annotated[_Number, Field(gt=0)] = 1.0
+    m_x: _Positive = 1.0
+    m_y: _Positive = 1.0
     b_x: _Number = 0.0
     b_y: _Number = 0.0
     alpha: Annotated[_Number, Field(ge=0)]
     beta: _Number
-    falloff: Annotated[_Number, Field(gt=0)] = 1.0
-    plateau: Annotated[_Number, Field(ge=0, lt=1)] = 0.0
-    opacity: Annotated[_Number, Field(gt=0, le=1)] = 1.0
+    falloff: _Positive = 1.0
+    plateau: Annotated[_Number, Field(ge=0, lt=1), AfterValidator(_told_from_1)] = 0.0
+    opacity: _Share = 1.0
     curve: Annotated[tuple[_Number, ...], Field(min_length=len(CURVE_PRESSURES), max_length=len(CURVE_PRESSURES))] = (
         CURVE_PRESSURES
     )
     nib: tuple[_Number, _Number] = (0.0, 0.0)
     lag: Annotated[_Number, Field(ge=0)] = 0.0
     touch: tuple[_Number, _Number] = (0.0, 0.0)
-    faint: Annotated[_Number, Field(gt=0, le=1)] = 1.0
-    solid: Annotated[_Number, Field(gt=0)] = 1.0
+    faint: _Share = 1.0
+    solid: _Positive = 1.0
     depth: tuple[_Number, _Number] = (0.0, 0.0)
     lightest: Annotated[_Number, Field(ge=0, le=1)] = 0.0
 
     @model_validator(mode="after")
     def _leaves_a_mark(self) -> Self:
-        if self.alpha + self.beta <= 0:
-            raise ValueError("alpha + beta is the half-width of the deepest stroke and must be above 0")
+        if self.widest < _LEAST:
+            raise ValueError(
+                f"alpha + beta is the half-width of the deepest stroke and must be above 0, at least {_LEAST:f} metres"
+            )
         if not np.all(np.diff((0, *self.curve, 1)) >= 0):
             raise ValueError("curve must rise from 0 to 1, as width does with pressure")
         if np.hypot(*self.nib) >= 1:
@@ -116,7 +135,7 @@ class Brush(BaseModel):
         Raises InputError where that leaves no mark.
         """
         width = float(self.half_width(np.array(pressure)))
-        if width <= 0:
+        if width < _LEAST:
             raise InputError(f"the brush {self.name} leaves no mark at pressure {pressure:g}; hold it deeper")
         touch, deepest = self.depth
         paled = min(self.faint + (1 - self.faint) * pressure / self.solid, 1.0)
@@ -274,13 +293,17 @@ def load_pen_brush(name: str) -> tuple[Brush, str | None]:
     return brush, load_pen(name).colour if name in pens else None
 
 
-def write_brush(brush: Brush, path: Path) -> None:
+def write_brush(brush: Brush, path: Path, overwrite: bool = True) -> None:
     """Write a brush as JSON; its folder is made where missing.
 
-    Raises OutputError where that fails; what was at `path` is then still there.
+    overwrite: replace what is at `path`.  Raises OutputError where something is there that is not to be replaced, or
+    writing fails, which leaves it as it was, and InputError where another process goes on writing into the folder.
     """
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise OutputError(f"cannot make the folder of brushes {path.parent}: {error.strerror}") from error
-    atomic_write(path, f"{brush.model_dump_json(indent=2)}\n".encode())
+    with BRUSHES.writing_into(path.parent):
+        if not overwrite:  # asked while nobody else writes, or two that fit one name would both keep it
+            BRUSHES.check_unused(path.stem, path.parent)
+        atomic_write(path, f"{brush.model_dump_json(indent=2)}\n".encode())

@@ -16,6 +16,7 @@ from maulstick.painting.picture import decode_png, spread
 from maulstick.painting.raster import Canvas
 from maulstick.painting.succession import Succession
 from maulstick.storage.arrays import Floats, Image
+from maulstick.storage.text import counted
 
 SCHEMA_VERSION: Final = 2
 """Version of the format of the files that are written; version 1, whose strokes say less, is read too."""
@@ -83,7 +84,8 @@ class Stroke(_Part):
     def _one_speed_per_point(self) -> Self:
         if self.speed is not None and len(self.speed) != len(self.trajectory):
             raise ValueError(
-                f"there are {len(self.speed)} speeds for {len(self.trajectory)} points; give one per point"
+                f"it has {counted(len(self.speed), 'speed')} for {counted(len(self.trajectory), 'point')}; "
+                "give one per point"
             )
         return self
 
@@ -176,7 +178,7 @@ class Painting(_Part):
         seen: set[int] = set()
         for index, stroke in enumerate(self.strokes):
             if stroke.paint >= len(self.paints):
-                allowed = f"an index into the {len(self.paints)} paints, from 0"
+                allowed = f"an index into the {counted(len(self.paints), 'paint')}, from 0"
                 raise ValueError(f"strokes[{index}].paint: it is {stroke.paint}; it must be {allowed}")
             if stroke.id in seen:
                 raise ValueError(f"strokes[{index}].id: {stroke.id} is an earlier stroke's; give every stroke its own")

@@ -15,9 +15,12 @@ _PAPERS = {  # portrait, millimetres (ISO 216; US letter)
     "A6": (105, 148),
     "LETTER": (215.9, 279.4),
 }
-_SMALLEST, _LARGEST = 5e-3, 100.0  # metres a side; anything else is a mistake in the units
+_LARGEST = 100.0  # metres a side; more is a mistake in the units
 
 _AUTO = "-auto"  # after a size: turned as the picture that is painted on it
+
+SMALLEST = 5e-3
+"""Least side of a canvas in metres; less is a mistake in the units."""
 
 FINE, MOST_PX = 5000, 2048
 """Resolution of a rectified photograph of a sheet in pixels per metre, and the most pixels on its longer side."""
@@ -70,7 +73,7 @@ def parse_margin(text: str, size: tuple[float, float]) -> float:
     Raises InputError where it is no length, or leaves less than 5 mm of the sheet.
     """
     margin = parse_length(text)
-    most = max((min(size) - _SMALLEST) / 2, 0.0)
+    most = max((min(size) - SMALLEST) / 2, 0.0)
     if margin > most:
         sheet = f"{1e3 * size[0]:g} x {1e3 * size[1]:g} mm"
         raise InputError.of_range(option("margin"), text, f"at most {1e3 * most:g}mm on a sheet of {sheet}")
@@ -85,16 +88,16 @@ def parse_length(text: str) -> float:
     return float(match[1]) * _UNITS[match[2]]
 
 
-def parse_size(text: str) -> tuple[float, float]:
+def parse_size(text: str, longest: float = _LARGEST) -> tuple[float, float]:
     """Return (width, height) in metres from ``200x160mm``, ``8 by 10 in``, ``A4``, ``A4-landscape``. Raises InputError.
 
-    Any size may be turned: ``200x160mm-portrait``.
+    Any size may be turned: ``200x160mm-portrait``.  longest: metres of a side, at most.
     """
     size, _, turn = text.strip().upper().partition("-")
     if size in _PAPERS:
         width, height = (x * 1e-3 for x in _PAPERS[size])
     else:
-        width, height = _sides(size, text)
+        width, height = _sides(size, text, longest)
     if turn not in ("", "PORTRAIT", "LANDSCAPE"):
         raise _no_size(text)
     if turn:
@@ -126,7 +129,7 @@ def size_of(text: str) -> str:
     return text.strip()[: -len(_AUTO)] if is_turned_by_picture(text) else text
 
 
-def _sides(size: str, text: str) -> tuple[float, float]:
+def _sides(size: str, text: str, longest: float) -> tuple[float, float]:
     """Return width and height in metres of upper-case letters as ``200X160MM``. Raises InputError, naming the text."""
     number = r"(\d+(?:\.\d*)?|\.\d+)"
     match = re.fullmatch(rf"\s*{number}\s*(?:[X\u00d7]|BY)\s*{number}\s*(MM|CM|M|IN)\s*", size)
@@ -134,8 +137,9 @@ def _sides(size: str, text: str) -> tuple[float, float]:
         raise _no_size(text)
     width, height = (float(x) * _UNITS[match[3].lower()] for x in match.group(1, 2))
     for side in (width, height):
-        if not _SMALLEST <= side <= _LARGEST:
-            raise InputError.of_range("a side of the canvas", f"{side * 1e3:g} mm", "between 5 mm and 100 m")
+        if not SMALLEST <= side <= longest:
+            allowed = f"between {1e3 * SMALLEST:g} mm and {longest:g} m"
+            raise InputError.of_range("a side of the canvas", f"{side * 1e3:g} mm", allowed)
     return width, height
 
 

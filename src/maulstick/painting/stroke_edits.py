@@ -14,6 +14,7 @@ from maulstick.errors import InputError
 from maulstick.painting.fields import Length, Metres, NineDigits, Point
 from maulstick.painting.painting import Painting, Stroke
 from maulstick.painting.painting_file import painting_fault
+from maulstick.storage.text import counted
 
 Some = TypeVar("Some", bound=Painting)
 Ids = Annotated[tuple[int, ...], Field(min_length=1)]
@@ -94,7 +95,10 @@ def edited(painting: Some, edits: Iterable[StrokeEdit]) -> Some:
         if isinstance(edit, AddStroke):
             _check_paint(edit.paint, painting)
             if edit.speed is not None and len(edit.speed) != len(edit.trajectory):
-                raise InputError(f"there are {len(edit.speed)} speeds for {len(edit.trajectory)} points; give as many")
+                raise InputError(
+                    f"it has {counted(len(edit.speed), 'speed')} for {counted(len(edit.trajectory), 'point')}; "
+                    "give as many"
+                )
             own = Stroke(
                 id=free, paint=edit.paint, trajectory=edit.trajectory, speed=edit.speed, locked=True, origin="person"
             )
@@ -155,4 +159,6 @@ def _after_its_paint(strokes: list[Stroke], new: list[Stroke]) -> list[Stroke]:
 
 def _check_paint(paint: int, painting: Painting) -> None:
     if not 0 <= paint < len(painting.paints):
-        raise InputError.of_range("the paint", paint, f"an index into the {len(painting.paints)} paints, from 0")
+        raise InputError.of_range(
+            "the paint", paint, f"an index into the {counted(len(painting.paints), 'paint')}, from 0"
+        )

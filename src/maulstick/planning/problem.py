@@ -15,6 +15,7 @@ from maulstick.planning.objectives import NetworkLoss, Objective
 from maulstick.planning.regions import Regions
 from maulstick.planning.room import Room
 from maulstick.storage.arrays import Image
+from maulstick.storage.text import counted
 from maulstick.strokes.strokes import POINTS
 from maulstick.style import Style
 
@@ -51,7 +52,9 @@ class PlannerSettings:
         if self.strokes < 1:
             raise InputError.of_range("the number of strokes", self.strokes, "at least 1")
         if self.paints is not None and not 1 <= self.paints <= self.strokes:
-            raise InputError.of_range("the number of paints", self.paints, f"1 to the {self.strokes} strokes")
+            raise InputError.of_range(
+                "the number of paints", self.paints, f"1 to the {counted(self.strokes, 'stroke')}"
+            )
         if self.steps < 1:
             raise InputError.of_range("the number of steps", self.steps, "at least 1")
         if self.ask_every < 1:

@@ -64,6 +64,8 @@ def preview_of_height(painting: Painting, px: int) -> Image:
 
     Raises InputError where that, or its width, is out of range.
     """
+    if px % 1:
+        raise InputError.of_range(option("px"), px, "a whole number")
     longest = px * max(1.0, painting.sheet.width / painting.sheet.height)
     if not 1 <= px <= longest <= _LARGEST_PX:
         raise InputError.of_range(option("px"), px, f"at least 1, with no side of the image above {_LARGEST_PX}")

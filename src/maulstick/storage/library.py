@@ -2,15 +2,20 @@
 
 import os
 import re
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
 
 from platformdirs import user_data_path
 
 from maulstick.errors import InputError, OutputError, option
+from maulstick.storage.files import held
+from maulstick.storage.folders import MAKE_ROOM
 
 NAME = r"[a-z0-9][a-z0-9-]{0,39}"
 """Regular expression of allowed names; none of them can be a path."""
+
+_PATIENCE = 10.0  # seconds to wait for another process that writes
 
 
 @dataclass(frozen=True)
@@ -62,6 +67,16 @@ class Library:
         if not overwrite:
             self.check_unused(name, self.own())
         return name
+
+    def writing_into(self, folder: Path) -> AbstractContextManager[None]:
+        """Hold a folder of such things, so that no two processes mix the files of one or take the same name.
+
+        Raises InputError where another process goes on holding it, and OutputError where nothing can be written beside
+        it.
+        """
+        taken = f"another maulstick is writing into {folder}; wait until it has finished"
+        lock = folder.parent / f".{folder.name}.lock"
+        return held(lock, taken, f"cannot write into the folder of {self.folder} {folder}", MAKE_ROOM, _PATIENCE)
 
     def check_unused(self, name: str, folder: Path) -> None:
         """Raise OutputError where something in the folder has this name."""

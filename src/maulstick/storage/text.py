@@ -1,4 +1,4 @@
-"""Text that people wrote, checked before it is kept."""
+"""Text that people wrote, checked before it is kept, and numbers of things in words."""
 
 from typing import Final
 
@@ -14,3 +14,8 @@ def is_printable(text: str) -> bool:
 def made_printable(text: str) -> str:
     """Return a text with a question mark for each letter that cannot be printed, and for none at all."""
     return "".join(letter if is_printable(letter) else "?" for letter in text) or "?"
+
+
+def counted(number: int, what: str, several: str = "") -> str:
+    """Return a number of things in words, as "1 stroke" or "2 strokes"; several: where that is not with an s."""
+    return f"{number} {what if number == 1 else several or what + 's'}"

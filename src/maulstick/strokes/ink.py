@@ -9,6 +9,7 @@ import numpy as np
 
 from maulstick.errors import InputError
 from maulstick.storage.arrays import Floats, Ints, read_arrays, write_arrays
+from maulstick.storage.text import counted
 
 KIND = "ink"
 """Kind of a file of arrays that holds ink."""
@@ -82,7 +83,7 @@ class Ink:
         metres = sum(float(np.hypot(*np.diff(stroke[:, 1:3], axis=0).T).sum()) for stroke in strokes)
         width, height = (f"{round(1e3 * side, 1):g}" for side in self.size)
         drawn = f"{metres:.0f}" if metres >= 100 else f"{metres:.3g}"
-        told = f"{len(self)} stroke{'' if len(self) == 1 else 's'}, {drawn} m drawn on {width} x {height} mm"
+        told = f"{counted(len(self), 'stroke')}, {drawn} m drawn on {width} x {height} mm"
         if not strokes:
             return told
         times = self.samples[:, 0]

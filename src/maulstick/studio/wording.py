@@ -59,11 +59,6 @@ def planned_for(spec: str) -> str:
     return name[0].lower() + name[1:] if name.startswith(("Pen ", "Another ")) else name
 
 
-def counted(number: int, what: str) -> str:
-    """Return a number of things in words, as "1 stroke" or "2 strokes"."""
-    return f"{number} {what}" if number == 1 else f"{number} {what}s"
-
-
 def error_text(error: MaulstickError) -> str:
     """Return the text of an error in the words of the page."""
     return _PAGE.say(error)

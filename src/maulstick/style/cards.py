@@ -1,7 +1,6 @@
 """Cards of the styles: names, paths and descriptions, which are read without loading a style."""
 
 import os
-from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Annotated, Final, Literal
 
@@ -9,8 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from maulstick.errors import InputError, OutputError
 from maulstick.painting.brush import Name
-from maulstick.storage.files import atomic_write, file_to_read, held, read_whole
-from maulstick.storage.folders import MAKE_ROOM
+from maulstick.storage.files import atomic_write, file_to_read, read_whole
 from maulstick.storage.library import NAME, Library
 from maulstick.storage.records import read_record, write_record
 
@@ -26,7 +24,6 @@ LARGEST = 256 * 2**20
 BUILT_IN = Path(__file__).with_name("built_in")
 """Folder of the styles that come with Maulstick."""
 
-_PATIENCE = 10.0  # seconds to wait for another process that writes
 _FREE = "free"  # a style without a file: `maulstick.style.free`
 STYLES = Library("style", "styles", BUILT_IN, taken=_FREE)
 """Library of the styles that come with Maulstick and of the user's own."""
@@ -95,16 +92,6 @@ def style_path(name: str) -> Path:
     raise InputError.of_choice("style", name, [*paths, _FREE, "FILE.json"])
 
 
-def writing_into(folder: Path) -> AbstractContextManager[None]:
-    """Hold a folder of styles, so that no two processes mix the files of one style.
-
-    Raises InputError where another process goes on holding it, and OutputError where nothing can be written beside it.
-    """
-    taken = f"another maulstick is writing into {folder}; wait until it has finished"
-    lock = folder.parent / f".{folder.name}.lock"
-    return held(lock, taken, f"cannot write into the folder of styles {folder}", MAKE_ROOM, _PATIENCE)
-
-
 def rename_style(name: str, new: str) -> Path:
     """Give a style of the user's own another name, and return the path of its JSON.
 
@@ -114,7 +101,7 @@ def rename_style(name: str, new: str) -> Path:
     """
     old = _own_path(name)
     path = STYLES.own() / f"{STYLES.check_name(new)}.json"
-    with writing_into(path.parent):
+    with STYLES.writing_into(path.parent):
         if new in STYLES.paths() or os.path.lexists(path):
             raise OutputError(f"there is a style {new} already; choose another name")
         card = read_card(old)
@@ -132,7 +119,7 @@ def title_style(name: str, title: str) -> None:
     Raises InputError where the style is not the user's own, OutputError where it cannot be written.
     """
     path = _own_path(name)
-    with writing_into(path.parent):
+    with STYLES.writing_into(path.parent):
         write_record(read_card(path).model_copy(update={"title": title}), path)
 
 

@@ -26,7 +26,6 @@ from maulstick.style.cards import (
     StyleCard,
     TrajVAESettings,
     read_card,
-    writing_into,
 )
 from maulstick.style.exemplar import Exemplar, PooledHands
 from maulstick.style.hand import LONGEST, Hand
@@ -71,7 +70,7 @@ def write_style(style: Fitted, source: str, folder: Path, overwrite: bool = True
     path = folder / f"{name}.json"
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        with writing_into(folder), TemporaryDirectory(dir=folder, prefix=".maulstick-") as staging:
+        with STYLES.writing_into(folder), TemporaryDirectory(dir=folder, prefix=".maulstick-") as staging:
             if not overwrite:  # asked while nobody else writes, or two that learn one name would both keep it
                 STYLES.check_unused(name, folder)
             _replace(path, card, content, Path(staging))

@@ -18,7 +18,7 @@ from maulstick.errors import MaulstickError
 from maulstick.storage.files import read_whole
 from maulstick.survey.answers import Answers, Participant
 from maulstick.survey.pages import ICON, STYLE, apology, asking, beginning, letters, thanks
-from maulstick.survey.questionnaire import read_survey
+from maulstick.survey.questionnaire import read_survey_to_show
 from maulstick.survey.questions import Question, questions
 
 _HEADERS: Final = {
@@ -70,7 +70,7 @@ class _Pages:
 
     def __init__(self, folder: Path, progressed: Callable[[], None]) -> None:
         self._folder, self._progressed = folder, progressed
-        self._survey = read_survey(folder)
+        self._survey = read_survey_to_show(folder)
         self._answers = Answers(folder)
 
     def show(self, request: Request) -> Response:

@@ -130,12 +130,13 @@ class Survey(_Part):
             yield from (pair.reference, *pair.looks)
 
 
-def build(folder: Path, title: str, match: Match | None, opinions: Opinions | None) -> Survey:
+def build(folder: str | Path, title: str, match: Match | None, opinions: Opinions | None) -> Survey:
     """Make a survey in a new folder, with copies of all pictures: their pixels alone, at most 1024 per side.
 
     Ink becomes a picture. The folder is written whole or not at all. Raises InputError where a picture cannot be read
     or the survey asks nothing, and OutputError where the folder has something in it or cannot be written.
     """
+    folder = Path(folder)
     _check_new(folder)
     sources: dict[Path, Path] = {}
     try:
@@ -161,13 +162,22 @@ def build(folder: Path, title: str, match: Match | None, opinions: Opinions | No
     return survey
 
 
-def read_survey(folder: Path) -> Survey:
+def read_survey(folder: str | Path) -> Survey:
     """Read the survey in a folder. Raises InputError where there is none, or one of its pictures is missing."""
+    folder = Path(folder)
     survey = read_record(Survey, folder / _RECORD, "survey")
     for picture in survey.pictures():
         path = file_to_read(folder / picture, "picture")
         if path.is_symlink():  # or a survey that came by mail could show any file of this computer
             raise InputError(f"{path} is a link; put the picture itself in its place")
+    return survey
+
+
+def read_survey_to_show(folder: Path) -> Survey:
+    """Read the survey in a folder. Raises InputError as `read_survey`, and where one of its pictures is damaged."""
+    survey = read_survey(folder)
+    for picture in survey.pictures():
+        read_picture(folder / picture)
     return survey
 
 

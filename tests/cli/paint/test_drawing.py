@@ -187,6 +187,7 @@ def test_paths_whose_ends_meet_are_drawn_in_one_go_on_request(drawing: Path) -> 
         (("--shortest", "far"), "--shortest is 'far'; it must be a length, as 10 for millimetres, 10mm or 1cm"),
         (("--margin", "2cm"), "--margin is 20 mm; it must be below 20 mm, half of the sheet's shorter side"),
         (("--size", "large"), "'large' is not a size; write width x height and a unit"),
+        (("--size", "30x1m"), "a side of the canvas is 30000 mm; it must be between 5 mm and 20 m"),
         (("--margin", "20"), "--margin is 20 mm; it must be below 20 mm, half of the sheet's shorter side"),
         (("--shortest", "99"), "all of it is shorter than 99 mm; --shortest must be less"),
     ],

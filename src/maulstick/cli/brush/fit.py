@@ -58,8 +58,7 @@ def fit(
         with _progress_bar(console) as show:
             found = fit_brush(drawn, drawn.pixels_per_metre, name, source=source, depth=drawn.depth, progress=show)
         seconds = time.monotonic() - started
-        BRUSHES.check_own_name(name, overwrite)  # another process may have taken it meanwhile
-        write_brush(found.brush, path)
+        write_brush(found.brush, path, overwrite)
     for warning in found.warnings:
         console.print(f"note: {warning}", soft_wrap=True)
     _say_left_out(console, found.left_out)

@@ -124,7 +124,7 @@ def brush(
 def _sheet(
     out: Path, size: tuple[float, float], like: Brush, style: str, strokes: int, easel: "Easel | None"
 ) -> Painting:
-    """Return the strokes to draw: those of an unfinished folder, or new ones, which are written there.
+    """Return the strokes to draw: those of an unfinished folder, or new ones.
 
     Strokes of other options are replaced where no machine has begun them.
     """
@@ -144,13 +144,18 @@ def _sheet(
     hand = load_style(style, Canvas(*size, 1.0))
     if easel is not None and like.pressure_matters:
         like = like.model_copy(update={"depth": (0.0, easel.deepest)})
-    sheet = practice(hand, like, Sheet(width=size[0], height=size[1]), strokes)
+    return practice(hand, like, Sheet(width=size[0], height=size[1]), strokes)
+
+
+def _keep(sheet: Painting, path: Path) -> None:
+    """Write the strokes, unless a machine has begun them; the folder is made where missing."""
+    if was_begun(journal_of(path)):
+        return
     try:
-        out.mkdir(parents=True, exist_ok=True)
+        path.parent.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise OutputError(f"cannot make the folder {out}: {error.strerror}; choose another --out") from error
+        raise OutputError(f"cannot make the folder {path.parent}: {error.strerror}; choose another --out") from error
     write_painting(sheet, path)
-    return sheet
 
 
 def _check_machine(out: Path, robot: str) -> None:
@@ -196,6 +201,7 @@ def _collect(sheet: Painting, out: Path, options: PaintOptions, place: "Easel | 
     robot = machine(options.machine, place) if simulation is None else simulation.robot
     easel = place or robot.easel(sheet.sheet.width, sheet.sheet.height)
     seeing = open_camera(options.camera or "", tell) if simulation is None else simulation.camera(tags)
+    _keep(sheet, path)  # once machine and camera are known to be such
     with (
         nothing_is_painted(),
         machine_lock(options.machine),

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 import typer
+from rich.console import Console
 
 from maulstick.cli.folder import check_other, check_place
 from maulstick.cli.lengths import metres
@@ -69,7 +70,11 @@ def camera(
     view = view_of(picture, frame, corners)
     flat = view.rectify(picture, flat_canvas(*sheet))
     if colours is not None:
-        flat = read_colours(colours).correct(flat, whites_of(picture, view, frame))
+        known = read_colours(colours)
+        flat = known.correct(flat, whites_of(picture, view, frame))
+        if known.sheet not in (None, sheet):
+            note = f"the lamp in {colours} is that of a sheet of another size; measure it on this one"
+            Console(stderr=True, markup=False, highlight=False).print(f"note: {note}", soft_wrap=True)
     atomic_write(path, encode_png(flat))
     if keep is not None:
         write_view(view, keep)

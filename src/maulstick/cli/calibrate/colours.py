@@ -71,5 +71,5 @@ def colours(
         else:
             width, height = sheet
             found = with_grey_card(found, flat, whites, canvas, (width / 3, height / 3, width / 3, height / 3))
-    write_colours(found, out)
+    write_colours(found.with_sheet(sheet), out)
     print(out, flush=True)

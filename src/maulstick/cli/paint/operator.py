@@ -24,6 +24,7 @@ from maulstick.painting.painting import Painting
 from maulstick.robot.execute import PaintProgress
 from maulstick.robot.robot import Robot, StoppedError
 from maulstick.robot.routine import Draw, Prompt, TrayVisit
+from maulstick.storage.text import counted
 
 _PACES = {"+": 1, "-": -1}  # steps of the pace by key
 _LOOK = 0.05  # seconds between two looks at the keyboard: no delay that a person notices
@@ -184,14 +185,10 @@ def in_words(estimate: Estimate) -> str:
     """Return an estimate as a sentence."""
     if not estimate.strokes:
         return "all strokes are painted"
-    what = f"{_counted(estimate.strokes, 'stroke')}, {1e3 * estimate.metres:.0f} mm"
+    what = f"{counted(estimate.strokes, 'stroke')}, {1e3 * estimate.metres:.0f} mm"
     painted = f"; {estimate.painted} are painted" if estimate.painted else ""
-    more = f"; then {_counted(estimate.more_sheets, 'more sheet')}" if estimate.more_sheets else ""
-    return f"{what}, {_counted(estimate.paints, 'paint')}, about {ceil(estimate.seconds / 60)} min{painted}{more}"
-
-
-def _counted(number: int, what: str) -> str:
-    return f"{number} {what}" if number == 1 else f"{number} {what}s"
+    more = f"; then {counted(estimate.more_sheets, 'more sheet')}" if estimate.more_sheets else ""
+    return f"{what}, {counted(estimate.paints, 'paint')}, about {ceil(estimate.seconds / 60)} min{painted}{more}"
 
 
 def _clock(seconds: float) -> str:

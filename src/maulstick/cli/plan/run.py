@@ -67,7 +67,7 @@ def _run(prepared: Prepared, out: Path, console: Console) -> None:
     video = Video(prepared.request.video) if prepared.request.video is not None else None
     started = time.monotonic()
     with stop_on_interrupt(console) as wanted, _saying_how_to_go_on(out, console):
-        with progress_bar(console, prepared.settings.strokes) as show:
+        with progress_bar(console, prepared.settings.strokes, wanted) as show:
             if prepared.request.tries > 1:
                 painting = plan_in_processes(prepared.request, out, show, wanted)
             else:

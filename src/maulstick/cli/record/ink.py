@@ -52,7 +52,7 @@ def ink(
     from maulstick.recording.files.ink_files import read_ink_file  # loads parsers
 
     with made_folder(out.parent):
-        drawn, kind = read_ink_file(file, sheet, longer, _print_note)
+        drawn, kind = read_ink_file(file, sheet, longer, _print_note, "; say it with --size or --longest")
         write_result(drawn, out, overwrite)
     print(f"{kind}: {drawn.summary()}")
     print(out, flush=True)
@@ -60,4 +60,4 @@ def ink(
 
 def _print_note(note: str) -> None:
     console = Console(stderr=True, markup=False, highlight=False)
-    console.print(f"note: {note}; say it with --size or --longest", soft_wrap=True)
+    console.print(f"note: {note}", soft_wrap=True)

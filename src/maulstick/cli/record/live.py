@@ -15,6 +15,7 @@ from maulstick.cli.record import options
 from maulstick.cli.record.writing import beside, check_outs, write_drawing
 from maulstick.errors import InputError, MaulstickError
 from maulstick.storage.folders import made_folder
+from maulstick.storage.text import counted
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -127,5 +128,5 @@ class _Recording:
         self._seconds = seen.seconds
         pen, sheet = ("seen" if what else "NOT SEEN" for what in (seen.pen, seen.canvas))
         self._status.update(
-            f"recording: {seen.frames} frames, {seen.seconds:.1f} s, pen {pen}, canvas {sheet} (Ctrl-C ends)"
+            f"recording: {counted(seen.frames, 'frame')}, {seen.seconds:.1f} s, pen {pen}, canvas {sheet} (Ctrl-C ends)"
         )

@@ -10,6 +10,7 @@ import typer
 from maulstick.cli.lengths import metres, with_unit
 from maulstick.errors import InputError
 from maulstick.storage.arrays import Floats
+from maulstick.storage.text import counted
 
 if TYPE_CHECKING:
     from maulstick.recording.mocap.contact import ContactOptions
@@ -142,7 +143,7 @@ def tip_of(length: str | None, axis: str, pivot: Path | None, pen: str | None, b
     place = ", ".join(f"{1e3 * along:.1f}" for along in found.tip)
     return found.tip, (
         f"the tip is at ({place}) mm in the rigid body; in the pivot take it strayed by {found.residual * 1e3:.2f} mm "
-        f"(RMS), without {found.rejected} outliers"
+        f"(RMS), without {counted(found.rejected, 'outlier')}"
     )
 
 

@@ -19,6 +19,7 @@ from maulstick.robot.journal import Journal, journal_of, latest_sheet
 from maulstick.robot.routine import NOTHING, PaintLoad
 from maulstick.robot.stops import UNKNOWN
 from maulstick.robot.workplace import at_home
+from maulstick.storage.text import counted
 
 
 def rehearse(request: PaintRequest) -> Estimate:
@@ -68,7 +69,7 @@ def _plan_of(request: PaintRequest) -> Paintable:
     if not count:
         raise InputError(f"{request.painting} has no strokes; plan it again with more")
     if number is not None and not 1 <= number <= count:
-        raise InputError.of_range(option("from_stroke"), number, f"1 to the {count} strokes")
+        raise InputError.of_range(option("from_stroke"), number, f"1 to the {counted(count, 'stroke')}")
     return plan
 
 

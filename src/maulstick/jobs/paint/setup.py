@@ -16,6 +16,7 @@ from maulstick.robot.machines import machine
 from maulstick.robot.robot import Robot
 from maulstick.robot.stops import Stops
 from maulstick.robot.tray import Tray, read_tray
+from maulstick.storage.text import counted
 
 _SAME_WIDTH = 0.05  # of a width: nobody sees less
 
@@ -81,7 +82,7 @@ class PaintSetup:
         asked, strokes = self.options, self.plan.strokes
         numbers = asked.pause_at or ()
         if wrong := [number for number in numbers if not 1 <= number <= len(strokes)]:
-            raise InputError.of_range(option("pause_at"), wrong[0], f"1 to the {len(strokes)} strokes")
+            raise InputError.of_range(option("pause_at"), wrong[0], f"1 to the {counted(len(strokes), 'stroke')}")
         pauses = {strokes[number - 1].id: number for number in numbers}
         return Stops(pauses, asked.refill_metres, asked.refill_seconds, asked.refill_at)
 

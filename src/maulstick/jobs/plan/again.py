@@ -27,6 +27,7 @@ from maulstick.planning.regions import Regions
 from maulstick.planning.result import PlanResult
 from maulstick.robot.journal import Journal, journal_of, latest_sheet, was_begun
 from maulstick.storage.arrays import Floats
+from maulstick.storage.text import counted
 from maulstick.strokes.strokes import resampled, standardise
 from maulstick.style.pressure import fit_knots
 
@@ -148,9 +149,11 @@ class Again:
         if settings.strokes >= (min(before, there) if isinstance(before, int) else there):
             strokes = max(strokes, len(self.left))
         if strokes < 1:
-            stay = f"{'' if self.left else 'all '}{self.painted + locked} strokes"
+            every = "" if self.left or self.painted + locked == 1 else "all "
+            stay = counted(self.painted + locked, "stroke is", "strokes are")
             raise InputError(
-                f"{stay} are locked or painted, and {option('strokes')} asks for no more; unlock some, or ask for more"
+                f"{every}{stay} locked or painted, and {option('strokes')} asks for no more; unlock some, "
+                "or ask for more"
             )
         return replace(settings, strokes=strokes)
 

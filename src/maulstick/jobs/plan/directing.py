@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 
 from maulstick.errors import InputError, option
-from maulstick.jobs.plan.guide_files import GuideFile
+from maulstick.jobs.plan.guide_files import GuideFile, painted_guides
 from maulstick.jobs.plan.options import PlanOptions
 from maulstick.jobs.plan.region_files import RegionFiles
 from maulstick.painting.brush import Brush
@@ -12,6 +12,7 @@ from maulstick.planning.guides import Guides
 from maulstick.planning.layout import Layout
 from maulstick.planning.problem import Colour
 from maulstick.planning.regions import Regions
+from maulstick.storage.arrays import Floats
 from maulstick.style import Style
 
 
@@ -35,10 +36,9 @@ class Directing:
         """Colours that regions are painted in alone, sRGB in [0, 1]."""
         return () if self._regions is None else self._regions.colours
 
-    @property
-    def painted_colours(self) -> tuple[Colour, ...]:
-        """Colours of guides that are painted, sRGB in [0, 1]."""
-        return () if self._guides is None else self._guides.colours
+    def painted_colours(self, layout: Layout, brush: Brush, regions: Regions | None) -> tuple[Colour, ...]:
+        """Return the colours of guides that are painted by this brush, sRGB in [0, 1], each once."""
+        return tuple(dict.fromkeys(colour for colour, _ in self._pieces(layout, brush, regions)))
 
     @property
     def painted_sum(self) -> str | None:
@@ -82,8 +82,12 @@ class Directing:
         names: Mapping[str, str],
         regions: Regions | None,
     ) -> Painting | None:
-        """Return the guides that are painted, as `GuideFile.painted` does, off paper that regions leave bare."""
+        """Return the guides that are painted, as `painted_guides` does, off paper that regions leave bare."""
+        return painted_guides(self._pieces(layout, brush, regions), layout, brush, paints, names)
+
+    def _pieces(self, layout: Layout, brush: Brush, regions: Regions | None) -> list[tuple[Colour, Floats]]:
+        """Return what is painted of the guides, as `GuideFile.pieces`, off paper that regions leave bare."""
         if self._guides is None:
-            return None
+            return []
         bare = None if regions is None else regions.bare_paper
-        return self._guides.painted(layout, self._shape, self._fit, self._margin, brush, paints, names, bare)
+        return self._guides.pieces(layout, self._shape, self._fit, self._margin, brush, bare)

@@ -31,7 +31,6 @@ _PRESSURE = 0.5  # of a line that is painted: an SVG says none
 class GuideFile:
     """Guides of an SVG. Raises InputError where it cannot be read, or has no line.
 
-    colours: of the lines that are painted, sRGB in [0, 1], each once.
     painted_sum: SHA-256 of those lines, by which they are known when a painting is planned again; None for none.
     """
 
@@ -43,7 +42,6 @@ class GuideFile:
         self._painted = [(colour, line) for group, colour, line in shapes if (group or "").strip().lower() == PAINTED]
         if not shapes:
             raise InputError(f"{path} has no line to follow; draw some, with a stroke and no fill")
-        self.colours: tuple[Colour, ...] = tuple(dict.fromkeys(colour for colour, _ in self._painted))
         known = [[colour, line.round(_DECIMALS).tolist()] for colour, line in self._painted]
         self.painted_sum = sum_of([self._page, known]) if known else None
 
@@ -51,57 +49,30 @@ class GuideFile:
         """Return the lines to follow, (k, 2) metres on a canvas, for a picture of this shape (h, w) laid out so."""
         return [self._placed(line, canvas, shape, fit, margin) for line in self._lines]
 
-    def painted(
+    def pieces(
         self,
         layout: Layout,
         shape: tuple[int, ...],
         fit: str,
         margin: float,
         brush: Brush,
-        paints: Sequence[Colour],
-        names: Mapping[str, str],
         bare: BarePaper | None,
-    ) -> Painting | None:
-        """Return the lines that are painted, as locked strokes of this brush; None for none.
+    ) -> list[tuple[Colour, Floats]]:
+        """Return the lines that are painted by this brush, (n, 3) each, with their colours, sRGB in [0, 1].
 
-        They are cut at the picture's edge and at bare paper. Each is in the nearest of the paints.
-        names: of paints, by their colours as ``#rrggbb``; without them guides would have paints of their own.
+        They are cut at the picture's edge and at bare paper.
         """
         from maulstick.drawing.lines import cut
 
         x, y, width, height = layout.area
         area, found = shapely.box(x, y, x + width, y + height), []
-        nearest = nearest_paint(np.array(self.colours).reshape(-1, 3), np.array(paints))
-        numbers = dict(zip(self.colours, nearest.tolist(), strict=True))
         for colour, line in self._painted:
             placed = self._placed(line, layout.canvas, shape, fit, margin)
             for piece in cut([placed], area)[0]:
                 drawn = np.column_stack([piece, np.full(len(piece), _PRESSURE)])
                 parts = [drawn] if bare is None else bare.parts_off(drawn, brush)
-                found += [(numbers[colour], part) for part in parts]
-        if not found:
-            return None
-        used = sorted({number for number, _ in found})
-        strokes = [
-            Stroke(
-                id=row,
-                paint=used.index(number),
-                trajectory=tuple((x, y, pressure) for x, y, pressure in line.tolist()),
-                locked=True,
-                origin="guide",
-            )
-            for row, (number, line) in enumerate(sorted(found, key=lambda each: each[0]))
-        ]
-        return Painting(
-            sheet=layout.sheet,
-            provenance=Provenance(version=version("maulstick")),
-            brushes={brush.name: brush},
-            paints=tuple(
-                Paint(colour=paints[number], brush=brush.name, name=names.get(hex_colour(paints[number])))
-                for number in used
-            ),
-            strokes=tuple(strokes),
-        )
+                found += [(colour, part) for part in parts]
+        return found
 
     def _placed(self, line: Floats, canvas: Canvas, shape: tuple[int, ...], fit: str, margin: float) -> Floats:
         """Return a line of the page, which is stretched over the picture, on the canvas, metres."""
@@ -109,3 +80,43 @@ class GuideFile:
         corner, size = np.array([left, top]), np.array([right - left, bottom - top])
         placed: Floats = (corner + line / np.array(self._page) * size) / canvas.pixels_per_metre
         return placed
+
+
+def painted_guides(
+    pieces: Sequence[tuple[Colour, Floats]],
+    layout: Layout,
+    brush: Brush,
+    paints: Sequence[Colour],
+    names: Mapping[str, str],
+) -> Painting | None:
+    """Return pieces of guides as locked strokes of this brush, each in the nearest of the paints; None for none.
+
+    names: of paints, by their colours as ``#rrggbb``; without them guides would have paints of their own.
+    """
+    if not pieces:
+        return None
+    colours = list(dict.fromkeys(colour for colour, _ in pieces))
+    nearest = nearest_paint(np.array(colours).reshape(-1, 3), np.array(paints))
+    numbers = dict(zip(colours, nearest.tolist(), strict=True))
+    found = [(numbers[colour], part) for colour, part in pieces]
+    used = sorted({number for number, _ in found})
+    strokes = [
+        Stroke(
+            id=row,
+            paint=used.index(number),
+            trajectory=tuple((x, y, pressure) for x, y, pressure in line.tolist()),
+            locked=True,
+            origin="guide",
+        )
+        for row, (number, line) in enumerate(sorted(found, key=lambda each: each[0]))
+    ]
+    return Painting(
+        sheet=layout.sheet,
+        provenance=Provenance(version=version("maulstick")),
+        brushes={brush.name: brush},
+        paints=tuple(
+            Paint(colour=paints[number], brush=brush.name, name=names.get(hex_colour(paints[number])))
+            for number in used
+        ),
+        strokes=tuple(strokes),
+    )

@@ -19,6 +19,7 @@ from maulstick.planning.mural.windows import Mural
 from maulstick.planning.problem import Colour, PlannerSettings
 from maulstick.planning.tones import InkSupply
 from maulstick.storage.arrays import Image
+from maulstick.storage.text import counted
 
 SHEET_PX = 1024
 """Pixels over the height of a sheet's photograph, and of the picture of a look: finer than plans need."""
@@ -83,7 +84,7 @@ def settings_of(
     if paints is not None and len(pinned) > paints:
         raise InputError(
             f"{option('pin')}, {option('regions')} and {option('guides')} name {len(pinned)} colours that are used as "
-            f"they are, among {paints} paints; give more {option('paints')}, or name fewer colours"
+            f"they are, among {counted(paints, 'paint')}; give more {option('paints')}, or name fewer colours"
         )
     strokes = MOST_AUTO if options.strokes == AUTO else options.strokes
     return PlannerSettings(

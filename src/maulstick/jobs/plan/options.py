@@ -16,6 +16,7 @@ from maulstick.painting.raster import is_turned_by_picture, parse_margin, parse_
 from maulstick.planning.weights import check_weights
 from maulstick.robot.machines import only_lifts
 from maulstick.storage.library import all_placed, placed
+from maulstick.storage.text import counted
 
 MOST_SEED: Final = 2**32 - 1
 """Largest seed that all generators of random numbers take."""
@@ -233,7 +234,7 @@ class PlanOptions:
         if len(ways) > 1:
             raise InputError(f"{ways[0]} and {ways[1]} are two ways to say what to paint with; leave one of them out")
         if self.paints is not None and self.strokes != AUTO:
-            _check_whole("paints", self.paints, 1, self.strokes, f"from 1 to the {self.strokes} strokes")
+            _check_whole("paints", self.paints, 1, self.strokes, f"from 1 to the {counted(self.strokes, 'stroke')}")
 
 
 def colours_in(said: str) -> tuple[str, ...]:

@@ -31,6 +31,7 @@ from maulstick.planning.regions import Regions
 from maulstick.planning.room import check_room
 from maulstick.planning.tones import InkSupply, draw_light
 from maulstick.storage.arrays import Image
+from maulstick.storage.text import counted
 from maulstick.style import Style, load_style
 
 
@@ -77,11 +78,11 @@ def prepare(
     style = hand.scaled(options.hand_size)
     regions = directing.regions(layout, hand, options.hand_size, brushes, usual)
     tubes = _tubes(options)
-    colours = directing.colours, directing.painted_colours
+    colours = directing.colours, directing.painted_colours(layout, finest, regions)
     settings = settings_of(options, tubes, *colours, are_mixed=again is not None)
     if again is not None:
         settings = again.in_paints(settings)
-    supply = _supply(options, settings, layout, brushes, style, regions) if settings.in_ink else None
+    supply = _supply(options, settings, layout, brushes, usual, style, regions) if settings.in_ink else None
     if options.strokes == AUTO:
         settings = replace(settings, strokes=enough(supply))
     names = {hex_colour(tube.colour): tube.name for tube in tubes}
@@ -158,7 +159,9 @@ def _tubes(options: PlanOptions) -> tuple[NamedPaint, ...]:
     """Return the paints of a file. Raises InputError for more than a new plan has strokes."""
     tubes = read_paints(options.paints_from) if options.paints_from is not None else ()
     if options.again is None and options.strokes != AUTO and len(tubes) > options.strokes:
-        raise InputError.of_range("the number of paints", len(tubes), f"at most the {options.strokes} strokes")
+        raise InputError.of_range(
+            "the number of paints", len(tubes), f"at most the {counted(options.strokes, 'stroke')}"
+        )
     return tubes
 
 
@@ -180,10 +183,17 @@ def _supply(
     settings: PlannerSettings,
     layout: Layout,
     brushes: tuple[Brush, ...],
+    usual: tuple[Brush, ...],
     style: Style,
     regions: Regions | None,
 ) -> InkSupply | None:
-    """Return the supply of inks. Raises InputError for several brushes."""
+    """Return the supply of inks. Raises InputError for several brushes, of which the usual ones are not of regions."""
+    if len(brushes) > 1 == len(usual):
+        of_regions = names_of(brush for brush in brushes if brush.name != usual[0].name)
+        raise InputError(
+            f"regions ask for {of_regions} beside {usual[0].name}, and ink is drawn with one brush; let them have "
+            "that one, or paint in colours"
+        )
     if len(brushes) > 1:
         raise InputError(
             f"{option('brush')} {names_of(brushes)} names several, and ink is drawn with one; name one, or "

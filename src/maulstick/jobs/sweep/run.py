@@ -9,6 +9,7 @@ from maulstick.jobs.sweep.engines import check_engine, make_engine
 from maulstick.jobs.sweep.grid import Grid
 from maulstick.jobs.sweep.sweep import Standing, check_retries, finish, opened
 from maulstick.jobs.sweep.table import Row, rows_of, write_table
+from maulstick.storage.text import counted
 
 RETRIES = 2
 """How often a cell that failed is tried again, unless it is said."""
@@ -64,6 +65,7 @@ def check_finished(rows: Sequence[Row]) -> None:
     if failed:
         named = ", ".join(failed[:3]) + (f" and {len(failed) - 3} more" if len(failed) > 3 else "")
         raise OutputError(
-            f"{len(failed)} of {len(rows)} cells failed: {named}; sweep.csv says why; mend it, and sweep again: "
+            f"{len(failed)} of {counted(len(rows), 'cell')} failed: {named}; sweep.csv says why; mend it, "
+            "and sweep again: "
             "what is finished stays"
         )

@@ -16,12 +16,19 @@ from maulstick.recording.files.wacom import read_uim, read_will
 from maulstick.recording.mocap.take import KIND as TAKE
 from maulstick.storage.arrays import kind_of
 from maulstick.storage.files import file_to_read, read_whole
+from maulstick.storage.text import counted
 from maulstick.strokes.ink import Ink
 
 FORMATS = "InkML, SVG, Wacom's UIM and WILL 2, and JSON of pointer events"
 """Formats that can be read, for people."""
 
 _LARGEST = 64 * 2**20  # bytes: no drawing is larger, and parsers need many times that in memory
+_UNTOLD = (
+    AttributeError,
+    IndexError,
+    KeyError,
+    TypeError,
+)  # of parsers that stumble: their texts say nothing of a drawing
 _START = 64 * 2**10  # bytes in which the outermost element of XML must begin
 
 
@@ -30,10 +37,12 @@ def read_ink_file(
     size: tuple[float, float] | None = None,
     longest: float | None = None,
     note: Callable[[str], None] = lambda _: None,
+    remedy: str = "",
 ) -> tuple[Ink, str]:
     """Return the ink in a file of one of the `FORMATS`, and the name of its format.
 
-    size, longest: metres, see `page.on_sheet`.  note: is told a sentence for people where the scale is not known.
+    size, longest: metres, see `page.on_sheet`.  note: is told a sentence for people where the scale is not known, which
+    ends in the remedy, and where data is faulty.
     Raises InputError where the file is of another format, or damaged.
     """
     path = file_to_read(path, "drawing")
@@ -52,10 +61,16 @@ def read_ink_file(
     except RecursionError as error:
         raise InputError(f"cannot read {path} as {name}: it is nested too deeply, or refers to itself") from error
     except Exception as error:  # the parsers raise nearly anything
-        fault = " ".join(str(error).split()) or f"it is damaged; save it again as plain {name}"
+        said = "" if isinstance(error, _UNTOLD) else " ".join(str(error).split())
+        fault = said or f"it is damaged; save it again as plain {name}"
         raise InputError(f"cannot read {path} as {name}: {fault[:200]}") from error
     if page.unit is None and size is None and longest is None:
-        note(f"{path.name} does not say how large it was drawn: its longer side is taken to be {LONGEST * 1e3:g} mm")
+        note(
+            f"{path.name} does not say how large it was drawn: its longer side is taken to be {LONGEST * 1e3:g} mm"
+            + remedy
+        )
+    if page.faulty:
+        note(f"{counted(page.faulty, 'path')} of {path.name} with faulty data: drawn up to the fault")
     return ink, page.kind
 
 

@@ -7,7 +7,7 @@ from defusedxml.ElementTree import fromstring  # type: ignore[import-untyped]
 from maulstick.errors import InputError
 
 _INCH = 25.4e-3  # metres
-METRES = {"mm": 1e-3, "cm": 1e-2, "in": _INCH, "pt": _INCH / 72, "pc": _INCH / 6, "px": _INCH / 96}
+METRES = {"mm": 1e-3, "cm": 1e-2, "q": 2.5e-4, "in": _INCH, "pt": _INCH / 72, "pc": _INCH / 6, "px": _INCH / 96}
 """CSS's units of length in metres."""
 
 

@@ -26,13 +26,14 @@ class Page:
 
     strokes: each (m, 4) of (t, x, y, pressure): seconds from any moment; x right, y down, in units; pressure in [0, 1].
     unit: metres, or None where it is unknown.  size: (width, height) of the sheet from (0, 0), in units, or None.
-    kind: the name of the format.
+    kind: the name of the format.  faulty: number of strokes that end early, at faulty data.
     """
 
     strokes: list[Floats]
     unit: float | None
     size: tuple[float, float] | None
     kind: str
+    faulty: int = 0
 
 
 def parse_longest(text: str) -> float:

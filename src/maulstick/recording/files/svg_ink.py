@@ -11,7 +11,7 @@ from maulstick.errors import InputError
 from maulstick.recording.files.curves import polylines
 from maulstick.recording.files.markup import METRES, local_name, parsed
 from maulstick.recording.files.page import Page
-from maulstick.recording.files.svg_paths import chains_of, check_uses
+from maulstick.recording.files.svg_paths import chains_of, check_uses, is_whole
 from maulstick.storage.arrays import Floats
 
 _NEVER_DRAWN = ("symbol", "marker", "mask", "pattern", "clipPath")  # elements that are drawn only by reference
@@ -45,7 +45,8 @@ def read_svg(content: bytes) -> Page:
         raise InputError(f"{fault}; convert text and objects to paths in the drawing program")
     unit = across / width if across and down and width > 0 and height > 0 else None
     strokes = [_stroke(points) for points in polylines(chains)]
-    return Page(strokes, unit, None if unit is None else (width, height), "SVG")
+    faulty = sum(not is_whole(str(shape.values.get("d", ""))) for shape in drawn if isinstance(shape, Path))
+    return Page(strokes, unit, None if unit is None else (width, height), "SVG", faulty)
 
 
 def _hide(root: Element) -> None:
@@ -60,7 +61,7 @@ def _hide(root: Element) -> None:
 
 def _is_visible(shape: Shape) -> bool:
     """Return whether a shape is seen; svgelements itself leaves out what has no display."""
-    return shape.values.get("visibility") not in ("hidden", "collapse")
+    return str(shape.values.get("visibility")).lower() not in ("hidden", "collapse")
 
 
 def _is_paper(shape: Shape, width: float, height: float) -> bool:
@@ -73,7 +74,7 @@ def _is_paper(shape: Shape, width: float, height: float) -> bool:
 
 def _metres(side: str | None) -> float | None:
     """Return a CSS length in metres, or None where it is not one."""
-    match = re.fullmatch(r"\s*\+?(\d+\.?\d*|\.\d+)\s*(|px|mm|cm|in|pt|pc)\s*", side or "")
+    match = re.fullmatch(r"\s*\+?(\d+\.?\d*|\.\d+)\s*(|px|mm|cm|q|in|pt|pc)\s*", (side or "").lower())
     return float(match[1]) * METRES[match[2] or "px"] if match else None
 
 

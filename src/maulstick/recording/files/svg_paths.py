@@ -1,5 +1,6 @@
 """What readers of SVG share: paths as chains of cubic Béziers, and a bound on what <use> repeats."""
 
+import re
 from collections.abc import Iterator
 from xml.etree.ElementTree import Element
 
@@ -10,6 +11,7 @@ from maulstick.errors import InputError
 from maulstick.recording.files.markup import local_name
 from maulstick.storage.arrays import Floats
 
+_FOREIGN = re.compile(r"[^MmZzLlHhVvCcSsQqTtAaEe\d.,+\-\s]")  # to a path's data: svgelements ends there in silence
 _ELEMENT = 32  # characters that an element counts in addition to its attributes
 
 
@@ -23,6 +25,11 @@ def chains_of(path: Path) -> Iterator[Floats]:
         cubics += _cubics(segment)
     if cubics:
         yield _points(cubics)
+
+
+def is_whole(data: str) -> bool:
+    """Return whether a path's data has nothing in it at which svgelements ends in silence."""
+    return data.strip() == "none" or _FOREIGN.search(data) is None
 
 
 def _cubics(segment: object) -> list[list[complex]]:

@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 
 from maulstick.errors import InputError, option
+from maulstick.storage.text import counted
 
 CANVAS_MARKERS = 3
 """Number of markers on a canvas, each at a different corner."""
@@ -40,7 +41,8 @@ def pen_and_canvas(
         raise InputError(f"the pen and the canvas are both {pen!r}; they must be two rigid bodies")
     if canvas is not None and markers[canvas] != CANVAS_MARKERS:
         raise InputError(
-            f"the canvas {canvas!r} has {markers[canvas]} markers; it must have exactly three, each at a corner"
+            f"the canvas {canvas!r} has {counted(markers[canvas], 'marker')}; it must have exactly three, "
+            "each at a corner"
         )
     if canvas is None:
         named = [name for name in _named(markers, _CANVAS) if name != pen and markers[name] == CANVAS_MARKERS]
@@ -67,6 +69,6 @@ def _named(names: Mapping[str, int] | list[str], words: tuple[str, ...]) -> list
 def _listed(markers: Mapping[str, int]) -> str:
     if not markers:
         return "no rigid bodies"
-    names = [f"{name[:40]!r} ({count} markers)" for name, count in markers.items()]
+    names = [f"{name[:40]!r} ({counted(count, 'marker')})" for name, count in markers.items()]
     more = [f"{len(names) - _LISTED} more"] if len(names) > _LISTED else []
     return "the rigid bodies " + ", ".join(names[:_LISTED] + more)

@@ -11,6 +11,7 @@ from maulstick.recording.mocap.plane import SheetPlane, find_paper
 from maulstick.recording.mocap.take import Take
 from maulstick.recording.mocap.tip import GAP, TipPath, tip_path
 from maulstick.storage.arrays import Floats
+from maulstick.storage.text import counted
 from maulstick.strokes.ink import Ink
 from maulstick.strokes.strokes import path_lengths
 
@@ -81,10 +82,10 @@ def _seen(take: Take, canvas: CanvasPath, path: TipPath) -> list[str]:
     width, height = (side * 1e3 for side in canvas.size)
     (plane, up), (plane_hertz, up_hertz) = path.noise, path.hertz
     return [
-        f"{_count(len(take), 'frame')} in {take.times[-1] - take.times[0]:.1f} s; the pen was in the wrong place in "
+        f"{counted(len(take), 'frame')} in {take.times[-1] - take.times[0]:.1f} s; the pen was in the wrong place in "
         f"{path.rejected}, bridged in {path.bridged}, and lost for longer than {GAP * 1e3:g} ms in {path.lost}",
         f"canvas {width:.1f} x {height:.1f} mm, with an angle of {90 + np.degrees(canvas.skew):.1f} degrees; its "
-        f"markers swapped names in {_count(canvas.swapped, 'frame')}, two of them were enough in {canvas.mended}, and "
+        f"markers swapped names in {counted(canvas.swapped, 'frame')}, two of them were enough in {canvas.mended}, and "
         f"it was taken to be where it was before and after in {canvas.guessed}",
         f"the tip trembled by {plane * 1e3:.2f} mm, smoothed from {plane_hertz:g} Hz on, and in height by "
         f"{up * 1e3:.2f} mm, smoothed from {up_hertz:g} Hz on",
@@ -104,8 +105,8 @@ def _decided(contact: Contact, options: ContactOptions, beside: int) -> list[str
     return [
         f"threshold {contact.threshold * 1e3:.2f} mm over the paper, {chosen}; a stroke ends above "
         f"{contact.release * 1e3:.2f} mm",
-        f"merged {_count(len(contact.merged), 'lift')} of at most {options.merge * 1e3:g} ms",
-        f"dropped {_count(len(contact.dropped), 'touch', 'touches')} shorter than {options.shortest * 1e3:g} ms"
+        f"merged {counted(len(contact.merged), 'lift')} of at most {options.merge * 1e3:g} ms",
+        f"dropped {counted(len(contact.dropped), 'touch', 'touches')} shorter than {options.shortest * 1e3:g} ms"
         + (f", and {beside} beside the canvas" if beside else ""),
     ]
 
@@ -115,14 +116,10 @@ def _cut(touches: Frames, heights: Floats) -> list[str]:
     beside = around[np.column_stack([touches[:, 0], touches[:, 1] + 1])]
     parts = ((np.isnan(beside), "where the pen was lost"), (np.isinf(beside), "where the take begins or ends"))
     cuts = [(int(cut.any(axis=1).sum()), where) for cut, where in parts]
-    return [f"{_count(number, 'stroke')} cut short {where}" for number, where in cuts if number]
+    return [f"{counted(number, 'stroke')} cut short {where}" for number, where in cuts if number]
 
 
 def _drawn(strokes: list[Floats]) -> str:
     metres = sum(float(path_lengths(stroke[:, 1:3])) for stroke in strokes)
     seconds = sum(stroke[-1, 0] - stroke[0, 0] for stroke in strokes)
-    return f"{_count(len(strokes), 'stroke')}, {metres:.2f} m drawn in {seconds:.1f} s of touching"
-
-
-def _count(number: int, word: str, words: str = "") -> str:
-    return f"{number} {word if number == 1 else words or word + 's'}"
+    return f"{counted(len(strokes), 'stroke')}, {metres:.2f} m drawn in {seconds:.1f} s of touching"

@@ -16,6 +16,7 @@ from maulstick.recording.mocap.motive_header import MOST_FRAMES, SHORTER, Axes, 
 from maulstick.recording.mocap.take import KIND, Take, is_unit, read_take
 from maulstick.storage.arrays import Floats, kind_of
 from maulstick.storage.files import file_to_read
+from maulstick.storage.text import counted
 
 _LARGEST = 2**33  # bytes: bounds time and memory
 _BLOCK = 2**24  # bytes that are read at a time, and most of a line
@@ -115,7 +116,8 @@ def _numbers(block: bytes, header: Header, columns: list[int], line: int) -> Flo
     if wrong.any():
         row = wrong.argmax()
         raise InputError(
-            f"line {line + row + 1} has {cells[row]} cells, and its header {header.cells}; export it again"
+            f"line {line + row + 1} has {counted(int(cells[row]), 'cell')}, and its header {header.cells}; "
+            "export it again"
         )
     try:
         frame = pd.read_csv(

@@ -9,6 +9,7 @@ from maulstick.errors import InputError
 from maulstick.recording.mocap.take import Take
 from maulstick.recording.mocap.tip import steady
 from maulstick.storage.arrays import Floats
+from maulstick.storage.text import counted
 
 _FEWEST = 50  # frames that must show the pen
 _LEAST_TURN = np.radians(8.0)  # RMS; cones of 25 degrees give 15
@@ -46,7 +47,8 @@ def calibrate_pivot(take: Take) -> Pivot:
     kept = steady(take.times[seen], _ABOUT * rotations.reshape(-1, 9))
     if kept.sum() < _FEWEST:
         raise InputError(
-            f"the pen can be followed in {kept.sum()} frames of the pivot take; it must be {_FEWEST} at least"
+            f"the pen can be followed in {counted(int(kept.sum()), 'frame')} of the pivot take; "
+            f"it must be {_FEWEST} at least"
         )
     for _ in range(_ROUNDS):
         tip, turned = _solve(rotations[kept], positions[kept])

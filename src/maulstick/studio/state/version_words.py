@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from maulstick.studio.wording import counted
+from maulstick.storage.text import counted
 from maulstick.studio.workers.said import ALONG_GUIDES, Said, SaidRegion
 from maulstick.studio.workers.stroke_changes import StrokeChanges
 

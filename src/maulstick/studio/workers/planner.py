@@ -18,7 +18,7 @@ from maulstick.painting.painting_file import read_painting, write_painting
 from maulstick.painting.picture import encode_jpeg
 from maulstick.painting.raster import Canvas
 from maulstick.storage.files import atomic_write, held
-from maulstick.studio.wording import counted
+from maulstick.storage.text import counted
 from maulstick.studio.workers.process import Line
 from maulstick.studio.workers.unchanged import check_or_keep_sums
 

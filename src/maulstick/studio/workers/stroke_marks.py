@@ -15,6 +15,7 @@ from maulstick.painting.painting_file import read_painting, write_painting
 from maulstick.painting.refined import refined
 from maulstick.painting.stroke_edits import STROKE_EDIT, AddStroke, edited
 from maulstick.storage.arrays import Floats
+from maulstick.storage.text import counted
 from maulstick.strokes.strokes import resample
 from maulstick.studio.workers.first_frame import first_frame
 
@@ -98,7 +99,9 @@ def drawn_edit(file: Path, paint: int, points: list[tuple[float, float, float]])
     """
     painting = after_edits(file, ())
     if not 0 <= paint < len(painting.paints):
-        raise InputError.of_range("the paint", paint, f"an index into the {len(painting.paints)} paints, from 0")
+        raise InputError.of_range(
+            "the paint", paint, f"an index into the {counted(len(painting.paints), 'paint')}, from 0"
+        )
     brush = painting.brushes[painting.paints[paint].brush]
     path = resample(np.array(points, dtype=np.float64), min(_POINTS, len(points)))
     offset, scale = np.array((brush.b_x, brush.b_y)), np.array((brush.m_x, brush.m_y))

@@ -5,8 +5,8 @@ from typing import Any
 
 from nicegui import events, html, ui
 
+from maulstick.storage.text import counted
 from maulstick.studio.panels.direct.canvas import StrokeCanvas
-from maulstick.studio.wording import counted
 from maulstick.studio.workers.stroke_marks import ShownPaint, ShownSheet
 
 _MOST_TOLD = 3  # paints that are named one by one

@@ -6,6 +6,7 @@ from pathlib import Path
 from nicegui import html, ui
 
 from maulstick.errors import InputError, MaulstickError
+from maulstick.storage.text import counted
 from maulstick.studio.panels.draw.learned import GOOD, learn_hand
 from maulstick.studio.panels.draw.others import OtherHands
 from maulstick.studio.panels.draw.reference import ReferencePicture, ReferenceTool
@@ -14,7 +15,7 @@ from maulstick.studio.state.studio import Studio
 from maulstick.studio.state.titles import MOST_LETTERS
 from maulstick.studio.widgets.pen import DrawingSheet
 from maulstick.studio.widgets.showing import shown_by
-from maulstick.studio.wording import counted, error_text
+from maulstick.studio.wording import error_text
 
 _STYLE = Path(__file__).with_name("draw.css")
 

@@ -3,9 +3,9 @@
 from nicegui import Client, html, ui
 
 from maulstick.errors import InputError
+from maulstick.storage.text import counted
 from maulstick.studio.panels.styles.shown import AS_TURNED, address_of
 from maulstick.studio.state.studio import Studio
-from maulstick.studio.wording import counted
 from maulstick.style.cards import STYLES
 
 GOOD = 20

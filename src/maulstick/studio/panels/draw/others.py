@@ -5,12 +5,13 @@ from pathlib import Path
 from nicegui import events, html, ui
 
 from maulstick.errors import MaulstickError
+from maulstick.storage.text import counted
 from maulstick.studio.panels.draw.learned import learn_hand
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.widgets.showing import shown_by
 from maulstick.studio.widgets.undoing import offer_undo
 from maulstick.studio.widgets.uploading import incoming, upload_button
-from maulstick.studio.wording import counted, error_text
+from maulstick.studio.wording import error_text
 from maulstick.studio.workers.hand_work import PICTURE, HandCard
 
 _ENDINGS = ".csv,.uim,.will,.inkml,.svg,.json,.npz"  # that the browser offers; the content decides

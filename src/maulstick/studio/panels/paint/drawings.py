@@ -6,12 +6,12 @@ from nicegui import html, ui
 
 from maulstick.errors import InputError
 from maulstick.painting.painting import Sheet
+from maulstick.storage.text import counted
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.state.titles import title_of
 from maulstick.studio.widgets.renaming import rename_button
 from maulstick.studio.widgets.showing import shown_by
 from maulstick.studio.widgets.undoing import offer_undo
-from maulstick.studio.wording import counted
 from maulstick.studio.workers.svg_work import PICTURE, SvgCard
 
 

@@ -8,10 +8,11 @@ from nicegui import background_tasks, html, ui
 from maulstick.errors import MaulstickError
 from maulstick.jobs.paint.estimate import Estimate
 from maulstick.jobs.paintable import is_svg
+from maulstick.storage.text import counted
 from maulstick.studio.panels.paint.turns import TurnList
 from maulstick.studio.state.run import State
 from maulstick.studio.state.studio import Studio
-from maulstick.studio.wording import counted, machine_name
+from maulstick.studio.wording import machine_name
 from maulstick.studio.workers.messages import PAINTING
 from maulstick.studio.workers.plan_pictures import plan_picture, rehearsed_sheet
 from maulstick.studio.workers.planned_paints import PlannedPaint

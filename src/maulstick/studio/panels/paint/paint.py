@@ -9,6 +9,7 @@ from maulstick.errors import InputError, MaulstickError
 from maulstick.jobs.paint.options import PaintOptions
 from maulstick.jobs.paint.status import PaintStatus
 from maulstick.jobs.paintable import is_svg
+from maulstick.storage.text import counted
 from maulstick.studio.panels.paint.by_hand import ByHandForm
 from maulstick.studio.panels.paint.corners import CornersForm
 from maulstick.studio.panels.paint.drawings import Drawings
@@ -18,7 +19,7 @@ from maulstick.studio.panels.paint.reading import ReadingForm
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.widgets.showing import shown_by
 from maulstick.studio.widgets.uploading import incoming, upload_button
-from maulstick.studio.wording import DETAILS_LABEL, RESTART_LABEL, counted, error_text, machine_name
+from maulstick.studio.wording import DETAILS_LABEL, RESTART_LABEL, error_text, machine_name
 from maulstick.studio.workers.planned_paints import PlannedPaint
 
 _STYLE = Path(__file__).with_name("paint.css")

@@ -10,11 +10,12 @@ from maulstick.colour.mixing import Recipe
 from maulstick.colour.srgb import light_of
 from maulstick.errors import MaulstickError
 from maulstick.painting.painting import hex_colour
+from maulstick.storage.text import counted
 from maulstick.studio.panels.paints.tray import build_tray
 from maulstick.studio.panels.paints.tubes import build_tubes
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.widgets.showing import shown_by
-from maulstick.studio.wording import counted, error_text
+from maulstick.studio.wording import error_text
 from maulstick.studio.workers.planned_paints import PlannedPaint
 
 _STYLE = Path(__file__).with_name("paints.css")

@@ -8,6 +8,7 @@ from nicegui import html, ui
 from maulstick.errors import InputError
 from maulstick.jobs.plan.options import AUTO, PlanOptions
 from maulstick.jobs.plan.request import PlanRequest
+from maulstick.storage.text import counted
 from maulstick.studio.panels.plan.compared import ComparedPictures
 from maulstick.studio.panels.plan.exporting import ExportDialog
 from maulstick.studio.panels.plan.form import DRAWN
@@ -25,7 +26,7 @@ from maulstick.studio.widgets.sheet_sizes import in_words
 from maulstick.studio.widgets.showing import focus, shown_by
 from maulstick.studio.widgets.slider import Slider
 from maulstick.studio.widgets.undoing import offer_undo
-from maulstick.studio.wording import counted, planned_for
+from maulstick.studio.wording import planned_for
 from maulstick.studio.workers.planner import order_frame
 
 _FILES = {"painting.json": "The plan", "painting.svg": "For a plotter (SVG)", "preview.png": "A picture"}

@@ -9,6 +9,7 @@ from pathlib import Path
 from nicegui import background_tasks, html, ui
 
 from maulstick.errors import MaulstickError
+from maulstick.storage.text import counted
 from maulstick.studio.panels.survey.form import SurveyForm
 from maulstick.studio.panels.survey.results import confusion_table, opinions_table, right_table
 from maulstick.studio.state.studio import Studio
@@ -129,7 +130,10 @@ class _Survey:
             return
         begun, finished = sum(person.begun for person in people), sum(person.finished for person in people)
         self._show_title(report.title)
-        self._count.text = f"{len(people)} links · {begun} have begun · {finished} have finished"
+        self._count.text = (
+            f"{counted(len(people), 'link')} · {counted(begun, 'has begun', 'have begun')} · "
+            f"{counted(finished, 'has finished', 'have finished')}"
+        )
         if people != self._people:
             self._people = people
             self._show_links([person for person in people if not person.finished])
