@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 from maulstick.jobs.plan.again import Again, in_paints_of, locked_in, with_locked
 from maulstick.jobs.plan.device import Choice
-from maulstick.jobs.plan.options import AUTO
+from maulstick.jobs.plan.options import AUTO, LEAST_HAND, MOST_AUTO
 from maulstick.jobs.plan.request import PlanRequest
 from maulstick.jobs.plan.window_pool import windows_at_once
 from maulstick.painting.brush import Brush, names_of
@@ -27,6 +27,7 @@ from maulstick.robot.sheet_reach import sheet_fault
 from maulstick.style import Style
 
 _CROWDED = 0.7  # times a hand's size, below which strokes lie more than twice as densely as the hand draws them
+_NO_STROKE = 1e-9  # strokes that a picture without ink needs
 
 
 @dataclass(frozen=True)
@@ -83,7 +84,8 @@ class Prepared:
             notes.append(sheet_fault(self.request.options.robot, canvas.width, canvas.height) or None)
         if self.supply is not None:
             if self.request.options.strokes == AUTO:
-                notes.append(f"{self.settings.strokes:,} strokes, chosen for the picture's ink")
+                strokes = self.settings.strokes
+                notes.append(f"{strokes:,} stroke{'' if strokes == 1 else 's'}, chosen for the picture's ink")
             notes.append(self.supply.note(self.strokes))
         if self.settings.in_ink:
             notes.append(self._crowded())
@@ -97,11 +99,15 @@ class Prepared:
         size = arrangement.size_for(self.settings.strokes, surface_of(self.layout.room, self.layout.canvas))
         if size >= _CROWDED:
             return None
-        options, times = self.request.options, size**-2
-        smaller = 1 / times if options.strokes == AUTO else size  # as many more strokes as they are shorter
+        strokes, times, smaller = self.settings.strokes, size**-2, size
+        if self.supply is not None and self.request.options.strokes == AUTO and strokes < MOST_AUTO:
+            needed = self.supply.needed / self.supply.per_line  # as many more strokes as they are shorter
+            smaller *= min(1.0, size * strokes / max(needed, _NO_STROKE))
+        hand_size = f"{smaller * self.request.options.hand_size:.2g}"
+        one = f"a hand size of {hand_size}" if float(hand_size) >= LEAST_HAND else "no hand size"
         return (
-            f"{self.settings.strokes:,} strokes lie {times:.0f} times as densely on this sheet as the hand draws them; "
-            f"a hand size of {smaller * options.hand_size:.2g} would leave them the room they have there"
+            f"{strokes:,} {'stroke lies' if strokes == 1 else 'strokes lie'} {times:.0f} times as densely on this "
+            f"sheet as the hand draws them; {one} would leave them the room they have there"
         )
 
     def plan(self, watch: Callable[[PlanProgress], bool], resume: State | None) -> PlanResult:
