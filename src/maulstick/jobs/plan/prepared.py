@@ -1,5 +1,6 @@
 """Plan that is prepared: all that planning and its file need, and what is said of it before."""
 
+from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
@@ -10,6 +11,7 @@ from maulstick.jobs.plan.request import PlanRequest
 from maulstick.jobs.plan.window_pool import windows_at_once
 from maulstick.painting.brush import Brush, names_of
 from maulstick.painting.painting import Painting, Provenance
+from maulstick.painting.succession import Succession
 from maulstick.planning.features.network import Network
 from maulstick.planning.from_picture import as_painting, problem_of, with_metrics
 from maulstick.planning.layout import Layout
@@ -25,6 +27,7 @@ from maulstick.planning.state import State
 from maulstick.planning.tones import InkSupply, Tones
 from maulstick.robot.sheet_reach import sheet_fault
 from maulstick.style import Style
+from maulstick.style.regional import RegionalStyle
 
 _CROWDED = 0.7  # times a hand's size, below which strokes lie more than twice as densely as the hand draws them
 _NO_STROKE = 1e-9  # strokes that a picture without ink needs
@@ -147,10 +150,17 @@ class Prepared:
             painting = with_locked(painting, locked_in(self.kept), self.kept, planned)
         if self.again is not None:
             painting = in_paints_of(painting, self.again.painting)
-        arrangement = self.style.arrangement
-        if arrangement is not None and self.settings.in_ink and self.settings.arrange:
-            painting = painting.model_copy(update={"succession": arrangement.succession})
+        if self.settings.in_ink and self.settings.arrange:
+            painting = painting.model_copy(update={"succession": self._succession(painting)})
         return with_metrics(painting, self.layout, self.problem, self.tones)
+
+    def _succession(self, painting: Painting) -> Succession | None:
+        """Return how the hand goes on from stroke to stroke that draws most of them; None where that is unknown."""
+        style = self.problem.style
+        hands = style.hands if isinstance(style, RegionalStyle) else (style,)
+        drawn = Counter(stroke.style.name for stroke in painting.strokes if stroke.style is not None)
+        arrangement = max(hands, key=lambda hand: drawn[hand.name]).arrangement
+        return None if arrangement is None else arrangement.succession
 
     def weighed(self, weights: Mapping[str, float]) -> "Prepared":
         """Return the same with other weights of the terms. Raises InputError for weights that cannot be used."""
