@@ -28,8 +28,9 @@ from maulstick.style.cards import (
     read_card,
     writing_into,
 )
-from maulstick.style.exemplar import Exemplar, PooledHands
+from maulstick.style.exemplar import Exemplar
 from maulstick.style.hand import LONGEST, Hand
+from maulstick.style.pooled import PooledHands
 from maulstick.style.pressure import KNOTS
 from maulstick.style.shape import GIST, RESIDUAL
 from maulstick.style.trajvae import TrajVAE
