@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from maulstick.strokes.strokes import Strokes
 from maulstick.style.compare import describe, distance_to_nearest, energy_distance, nearest_neighbour_accuracy
-from maulstick.style.exemplar import PooledHands, pool
 from maulstick.style.hand import Hand
+from maulstick.style.pooled import PooledHands, pool
 
 Floats = NDArray[np.float64]
 

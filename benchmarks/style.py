@@ -30,8 +30,9 @@ from recordings import mocap_hands, mouse_hands, wacom_drawings
 
 from maulstick.strokes.strokes import Strokes
 from maulstick.style import shape
-from maulstick.style.exemplar import Exemplar, PooledHands
+from maulstick.style.exemplar import Exemplar
 from maulstick.style.hand import Hand
+from maulstick.style.pooled import PooledHands
 from maulstick.style.store import load_hands
 from maulstick.style.train import fine_tune, pretrained
 

@@ -27,8 +27,9 @@ from recordings import human_drawings, wacom_drawings
 
 from maulstick.strokes.strokes import POINTS, Strokes, resample, standardise
 from maulstick.style import Style, density, exemplar, neighbours, shape, trajvae
-from maulstick.style.exemplar import Exemplar, PooledHands
+from maulstick.style.exemplar import Exemplar
 from maulstick.style.hand import Hand
+from maulstick.style.pooled import PooledHands
 from maulstick.style.store import load_hands
 from maulstick.style.train import fine_tune, pretrained
 from maulstick.style.trait_costs import gist_and_roughness

@@ -17,8 +17,9 @@ from wacom import wacom_hands
 import maulstick
 from maulstick.strokes.strokes import Strokes
 from maulstick.style.compare import describe
-from maulstick.style.exemplar import Exemplar, PooledHands, pool
+from maulstick.style.exemplar import Exemplar
 from maulstick.style.hand import Hand
+from maulstick.style.pooled import PooledHands, pool
 from maulstick.style.store import write_hands, write_style
 
 BUILT_IN = Path(maulstick.__file__).parent / "style" / "built_in"

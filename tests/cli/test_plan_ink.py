@@ -1,8 +1,12 @@
 import re
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+from maulstick.jobs.plan.options import PlanOptions
+from maulstick.jobs.plan.prepare import prepare
+from maulstick.jobs.plan.request import PlanRequest
 from maulstick.painting.painting_file import read_painting
 from maulstick.strokes.strokes import write_strokes
 from maulstick.style.cards import style_path
@@ -100,6 +104,42 @@ def test_strokes_that_must_lie_denser_than_the_hands_are_told_and_a_smaller_hand
     assert float(told[2]) == pytest.approx(int(told[1]) ** -0.5, rel=0.1)
     assert "densely" not in paint(tmp_path / "small", *words, "--hand-size", told[2]).stderr
     assert "densely" not in paint(tmp_path / "unarranged", *words, "--arrange", "0").stderr
+
+
+def crowded(**asked: Any) -> tuple[str, ...]:
+    """Notes of a plan that is not made, in a hand that is arranged."""
+    options = PlanOptions(ink="black", brush="fineliner", style="elephant", px=48, device="cpu", **asked)
+    return tuple(prepare(PlanRequest(Path(PORTRAIT), options)).notes)
+
+
+@pytest.mark.parametrize(
+    ("strokes", "asked"),
+    [
+        ("auto", {"size": "60x40mm"}),
+        ("auto", {"size": "10x8mm", "hand_size": 50.0}),
+        ("auto", {"size": "500x400mm", "hand_size": 1.5}),
+        (400, {"size": "60x40mm"}),
+    ],
+    ids=["ink", "one", "most", "number"],
+)
+def test_the_hand_size_that_is_told_leaves_the_strokes_just_the_room_that_they_need(
+    strokes: int | str, asked: dict[str, Any]
+) -> None:
+    (note,) = (note for note in crowded(strokes=strokes, **asked) if "densely" in note)
+    told = re.search(r"a hand size of (\S+) would leave", note)
+    assert told, note
+    there = {**asked, "hand_size": float(told[1])}
+    assert not [note for note in crowded(strokes=strokes, **there) if "densely" in note]
+    larger = {**asked, "hand_size": 2.3 * float(told[1])}
+    assert [note for note in crowded(strokes=strokes, **larger) if "densely" in note]
+
+
+def test_one_stroke_is_told_as_one_and_no_hand_size_is_named_that_is_refused() -> None:
+    one = crowded(strokes="auto", size="10x8mm", hand_size=50.0)
+    assert "1 stroke, chosen for the picture's ink" in one
+    assert any(note.startswith("1 stroke lies ") for note in one)
+    (note,) = crowded(strokes=20_000, size="30x20mm")[-1:]
+    assert note.endswith("as the hand draws them; no hand size would leave them the room they have there")
 
 
 @pytest.mark.parametrize("share", ["-0.1", "1.1", "nan"])

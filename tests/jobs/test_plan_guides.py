@@ -188,6 +188,18 @@ def test_a_file_without_lines_is_refused(folder: Path) -> None:
         prepared_with(folder, guides=folder / "none.svg")
 
 
+def test_a_dot_is_no_line_to_follow_unless_it_is_painted(folder: Path) -> None:
+    dot = '<path d="M9 9 L9 9" stroke="black" fill="none"/>'
+    (folder / "dot.svg").write_text(f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 100 100">{dot}</svg>')
+    with pytest.raises(InputError, match="has no line to follow"):
+        prepared_with(folder, guides=folder / "dot.svg")
+    painted = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 100 100"><g id="paint">{dot}</g></svg>'
+    (folder / "dot.svg").write_text(painted)
+    kept = prepared_with(folder, guides=folder / "dot.svg").kept
+    assert kept is not None
+    assert len(kept.strokes) == 1
+
+
 def test_a_mural_has_no_guides(folder: Path) -> None:
     with pytest.raises(InputError, match="plans in one piece"):
         prepared_with(folder, px=3000, brush="fineliner")

@@ -243,6 +243,17 @@ def test_one_ink_has_regions_too(folder: Path) -> None:
     assert strokes_in(painting, "sky") == []
 
 
+@pytest.mark.parametrize(("style", "most"), [("free", "moscow"), ("elephant", "moscow"), ("moscow", "loops")])
+def test_a_drawing_goes_on_from_stroke_to_stroke_as_the_hand_does_that_draws_most_of_it(
+    folder: Path, style: str, most: str
+) -> None:
+    say = f'[face]\ncolour = "#ff0000"\nshare = 0.8\nstyle = "{most}"\n'
+    prepared = prepared_with(folder, say, style=style, ink="black", paints=None, steps=2, brush="fineliner")
+    painting = prepared.painting(prepared.plan(lambda progress: True, None))
+    arrangement = load_style(most, prepared.layout.canvas).arrangement
+    assert painting.succession == (None if arrangement is None else arrangement.succession)
+
+
 def test_colours_that_are_pinned_are_used_as_they_are(folder: Path) -> None:
     options = PlanOptions(**PLAN, pin=("#112233", "#ffcc00"))
     prepared = prepare(PlanRequest(folder / "disc.png", options))

@@ -9,6 +9,7 @@ import torch
 from maulstick.errors import InputError
 from maulstick.painting.brush import Brush
 from maulstick.planning.arranging import Arranging
+from maulstick.planning.initialise import Initialiser
 from maulstick.planning.parameters import StrokeParameters
 from maulstick.planning.planner import plan
 from maulstick.planning.problem import PlannerSettings, PlanningProblem
@@ -91,6 +92,18 @@ def test_an_arranged_plan_goes_on_as_if_it_had_not_stopped(
     problem: PlanningProblem, planned: PlanResult, steps: int
 ) -> None:
     assert same(plan(problem, INK, resume=state_after(problem, INK, steps)), planned)
+
+
+@pytest.mark.parametrize("in_regions", [False, True])
+def test_an_arranged_plan_that_goes_on_looks_for_no_strokes_to_begin_with(
+    problem: PlanningProblem, monkeypatch: pytest.MonkeyPatch, *, in_regions: bool
+) -> None:
+    asked = split(problem, other=HAND) if in_regions else problem
+    whole, state = plan(asked, INK), state_after(asked, INK, 19)
+    older = {name: array for name, array in state.items() if name != "densities"}
+    assert same(plan(asked, INK, resume=older), whole)
+    monkeypatch.delattr(Initialiser, "first")
+    assert same(plan(asked, INK, resume=state), whole)
 
 
 @pytest.mark.parametrize("settings", [replace(INK, arrange=0.0), replace(INK, paints=4)], ids=["0", "paints"])

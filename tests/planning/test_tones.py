@@ -148,6 +148,8 @@ def test_a_note_says_what_so_few_strokes_can_give_and_how_many_would_do() -> Non
     assert note is not None
     assert "25% of the ink" in note or "24% of the ink" in note
     assert f"{found.enough:,} strokes" in note
+    assert note.split(" of this length")[0] == f"{found.enough // 4} strokes"
+    assert str(found.note(1)).startswith("1 stroke of this length gives ")
 
 
 @pytest.mark.parametrize("grey", [1.0, 0.0])

@@ -9,8 +9,9 @@ from torch import Tensor
 
 from maulstick.style import Style, exemplar, shape
 from maulstick.style.compare import CURVINESS, describe, energy_distance
-from maulstick.style.exemplar import Exemplar, PooledHands, pool
+from maulstick.style.exemplar import Exemplar
 from maulstick.style.hand import Hand
+from maulstick.style.pooled import PooledHands, pool
 from maulstick.style.shape import GIST, RESIDUAL
 from maulstick.style.trait_costs import gist_and_roughness
 from tests.support.style.synthetic_hands import (

@@ -15,9 +15,10 @@ from safetensors.numpy import load, save
 from maulstick.errors import InputError, OutputError
 from maulstick.painting.raster import Canvas
 from maulstick.style import cards, load_style, store
-from maulstick.style.exemplar import Exemplar, PooledHands
+from maulstick.style.exemplar import Exemplar
 from maulstick.style.free import FreeStyle
 from maulstick.style.hand import Hand
+from maulstick.style.pooled import PooledHands
 from maulstick.style.shape import GIST, RESIDUAL
 from maulstick.style.trajvae import TrajVAE, shapes
 from tests.support.tolerances import FLOAT32_METRES

@@ -11,8 +11,9 @@ from torch import Tensor
 from maulstick.errors import InputError
 from maulstick.strokes.strokes import path_lengths, resample
 from maulstick.style.compare import describe, energy_distance
-from maulstick.style.exemplar import Exemplar, PooledHands
+from maulstick.style.exemplar import Exemplar
 from maulstick.style.hand import Hand
+from maulstick.style.pooled import PooledHands
 from maulstick.style.train import pretrained
 from maulstick.style.trajvae import LATENT, TrajVAE, activity, shapes
 from tests.support.style.synthetic_hands import arc, circle, drawn, strokes_of, zigzag

@@ -3,7 +3,9 @@
 from collections.abc import Iterator
 from dataclasses import replace
 
+import numpy as np
 import torch
+from numpy.typing import NDArray
 from torch import Generator, Tensor
 
 from maulstick.planning.directions import directions
@@ -25,20 +27,37 @@ class Arranging:
 
     strokes: that a plan begins with, as dense as they will be.  ink_of: (N,), their inks.
     spacing: metres between them.  share: in [0, 1], of the price.
+    densities: what the same plan had before it was interrupted, since its strokes have moved.
     The strokes of each ink are arranged among themselves, as they are drawn. A region's strokes count as many as they
     are; of those whose hand's arrangement is not known nothing is asked.
     """
 
     def __init__(
-        self, problem: PlanningProblem, strokes: StrokeParameters, ink_of: Tensor, spacing: float, share: float
+        self,
+        problem: PlanningProblem,
+        strokes: StrokeParameters,
+        ink_of: Tensor,
+        spacing: float,
+        share: float,
+        densities: NDArray[np.generic] | None = None,
     ) -> None:
         self._regions, self._weight = problem.regions, _WEIGHT * share
         self._rows = {ink: (ink_of == ink).nonzero()[:, 0] for ink in ink_of.unique().tolist()}
         hands = [problem.style] if self._regions is None else [region.hand for region in self._regions.said]
-        lines = _Lines(problem, spacing)
+        if densities is None:
+            found = [
+                (*part, _laid(hands[part[0]], own).density())
+                for part, own in self._parts(strokes)
+                if hands[part[0]].arrangement is not None
+            ]
+            densities = np.array(found).reshape(-1, 3)
+        self.densities = densities
+        """How densely strokes lay at the beginning, (k, 3): rows of hand, ink and density."""
+        known = {(int(number), int(ink)): density for number, ink, density in densities.tolist()}
+        scale, lines = problem.canvas.pixels_per_metre, _Lines(problem, spacing)
         self._hands = {
-            (number, ink): _ArrangedHand(hands[number], arrangement, own, problem.canvas.pixels_per_metre, lines)
-            for (number, ink), own in self._parts(strokes)
+            (number, ink): _ArrangedHand(hands[number], arrangement, density, scale, lines)
+            for (number, ink), density in known.items()
             if (arrangement := hands[number].arrangement) is not None
         }
 
@@ -87,23 +106,23 @@ class _Lines:
 
 
 class _ArrangedHand:
-    """What a hand's arrangement asks of its strokes."""
+    """What a hand's arrangement asks of its strokes, which lie so densely at the beginning."""
 
     def __init__(
         self,
         hand: Style,
         arrangement: Arrangement,
-        strokes: StrokeParameters,
+        density: float,
         pixels_per_metre: float,
         lines: _Lines,
     ) -> None:
         self._hand, self._scale, self._lines = hand, pixels_per_metre, lines.of(arrangement.leaning)
-        self._neighbourhoods = arrangement.neighbourhoods.crowded(self._laid(strokes).density())
+        self._neighbourhoods = arrangement.neighbourhoods.crowded(density)
         self._alignments = torch.from_numpy(arrangement.alignments)
 
     def price(self, strokes: StrokeParameters, torch_rng: Generator) -> Tensor:
         """Return the price of the hand's strokes."""
-        laid = self._laid(strokes)
+        laid = _laid(self._hand, strokes)
         return self._neighbourhoods.price(laid, torch_rng) + self._misaligned(laid)
 
     def _misaligned(self, laid: Laid) -> Tensor:
@@ -117,5 +136,6 @@ class _ArrangedHand:
         wanted = torch.quantile(self._alignments, quantiles(len(along)))
         return (lines.abs()[order] * (along - wanted).square()).mean()
 
-    def _laid(self, strokes: StrokeParameters) -> Laid:
-        return Laid.of(self._hand.decode(strokes.codes).detach(), strokes.centres, strokes.angles)
+
+def _laid(hand: Style, strokes: StrokeParameters) -> Laid:
+    return Laid.of(hand.decode(strokes.codes).detach(), strokes.centres, strokes.angles)

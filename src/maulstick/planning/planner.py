@@ -106,7 +106,8 @@ class _Planning:
         elif start is not None and len(start) > options.strokes:
             start = thinned(start, options.strokes, problem, self._loss, self._torch_rng)
         self._style_price = StylePrice(self._style, options.strokes, options.seed, start)
-        if start is None and not arranged and resume is not None and "spacing" in resume:  # older files have none
+        kept = {"spacing", "densities"} if arranged else {"spacing"}  # older files have none
+        if start is None and resume is not None and kept <= resume.keys():
             start, self._spacing = StrokeParameters.in_state(resume), resume["spacing"].item()
             if len(start) != options.strokes:
                 raise ValueError("the state has another number of strokes")
@@ -128,7 +129,9 @@ class _Planning:
             self._stroke_canvas.quantise(torch.tensor(self._initialiser.palette), schedule.grouped)
         self._arranging = None
         if arranged:
-            self._arranging = Arranging(problem, start, self._stroke_canvas.paint_of, self._spacing, options.arrange)
+            densities = None if resume is None else resume.get("densities")
+            paint_of, share = self._stroke_canvas.paint_of, options.arrange
+            self._arranging = Arranging(problem, start, paint_of, self._spacing, share, densities)
         self._coarsest = coarsest(problem, options, self._spacing)
         self._finest = 1.0  # side of the pixels that the last steps are drawn on, in the canvas' own
         turning = _TURNING_OF_GROUPS if arranged else 1.0
@@ -195,6 +198,7 @@ class _Planning:
             **self._stroke_canvas.state(),
             **self._descent.state(),
             "finest": np.array(self._finest),
+            **({} if self._arranging is None else {"densities": self._arranging.densities}),
             **self._loss.state(),
             **rng_state(self._rng, self._torch_rng),
         }

@@ -203,8 +203,9 @@ class InkSupply:
         own, tones, share = self.tones(self.fewest), self.tones(strokes), strokes / self.fewest
         if not tones.compressed:
             return None
+        given = "stroke of this length gives" if strokes == 1 else "strokes of this length give"
         return (
-            f"{strokes:,} strokes of this length give {share:.0%} of the ink that the picture needs: its tones, "
+            f"{strokes:,} {given} {share:.0%} of the ink that the picture needs: its tones, "
             f"L* {own.darkest:.0f} to {own.lightest:.0f}, become {tones.darkest:.0f} to {tones.lightest:.0f}; "
             f"{self.fewest:,} strokes would reach them"
         )

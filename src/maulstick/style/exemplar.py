@@ -19,6 +19,7 @@ from maulstick.style.density import Density, kernel
 from maulstick.style.hand import Hand, by_length
 from maulstick.style.lengths import keep_lengths
 from maulstick.style.neighbours import Neighbours
+from maulstick.style.pooled import PooledHands
 from maulstick.style.shape import GIST
 from maulstick.style.style import Style
 from maulstick.style.trait_costs import gist_and_roughness, roughness, trait_costs, traits
@@ -38,22 +39,6 @@ _OF_COST, _OF_COST_ROUGHNESS = 0.4, 0.2  # bandwidths of the density that `cost`
 _TOGETHER = torch.tensor([0.08] + [0.25] * GIST + [0.08, 0.08], dtype=torch.float64)
 _LEAST_SPREAD = 0.05  # of a chord's log odds, and of turning in radians: where all strokes of a hand are alike
 _LEAST_BEND, _MOST_BEND = 0.05, 1.5  # bounds of a kernel's scale in `cost`, which grows with the bend of its stroke
-
-
-@dataclass(frozen=True)
-class PooledHands:
-    """Statistics that many hands have in common (of strokes that may ship; see NOTICE).
-
-    covariance: (17, 17), within a hand, of `gist_and_roughness`.  residual: (47,) RMS of the residual's numbers.
-    """
-
-    covariance: Floats
-    residual: Floats
-
-    @property
-    def units(self) -> Floats:
-        """Size (63,) of a large change in each of a stroke's numbers (`shape.encode`)."""
-        return np.concatenate([np.sqrt(np.diag(self.covariance)[:GIST]), self.residual])
 
 
 @dataclass(frozen=True)
@@ -288,16 +273,6 @@ class Exemplar(Style):
     def speeds(self, codes: Tensor) -> Tensor | None:
         """Speeds (N, 32), metres per second, of the hand's stroke most like each; None where none are known."""
         return self.hand.speeds_of(self._priced.nearest(self._seen(codes)))
-
-
-def pool(hands: list[Hand]) -> PooledHands:
-    """Return the statistics of these hands; each is weighted by its number of strokes, up to sixty."""
-    numbers = [shape.encode(torch.from_numpy(hand.paths)) for hand in hands]
-    weights = np.array([min(len(hand), 60) for hand in hands], dtype=np.float64)
-    spreads = [np.cov(gist_and_roughness(*shape.parts(each)).numpy(), rowvar=False) for each in numbers]
-    residuals = [each[:, GIST:].square().mean(0).numpy() for each in numbers]
-    covariance = np.average(spreads, axis=0, weights=weights)
-    return PooledHands(covariance, np.sqrt(np.average(residuals, axis=0, weights=weights)))
 
 
 def _straight() -> Tensor:

@@ -27,8 +27,9 @@ from maulstick.style.cards import (
     TrajVAESettings,
     read_card,
 )
-from maulstick.style.exemplar import Exemplar, PooledHands
+from maulstick.style.exemplar import Exemplar
 from maulstick.style.hand import LONGEST, Hand
+from maulstick.style.pooled import PooledHands
 from maulstick.style.pressure import KNOTS
 from maulstick.style.shape import GIST, RESIDUAL
 from maulstick.style.trajvae import TrajVAE

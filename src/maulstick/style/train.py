@@ -12,8 +12,8 @@ from maulstick.rendering.threads import one_torch_thread
 from maulstick.storage.arrays import Floats
 from maulstick.strokes.strokes import standardise
 from maulstick.style import shape
-from maulstick.style.exemplar import pool
 from maulstick.style.hand import Hand
+from maulstick.style.pooled import pool
 from maulstick.style.trajvae import LATENT, TrajVAE, Weights, check_weights, numbers_of, posterior, shapes
 
 _NOISE = 1e-3  # standard error of a decoded point, relative to the stroke's length; at three times that, tremor is lost

@@ -22,9 +22,10 @@ from maulstick.errors import InputError
 from maulstick.storage.arrays import Floats
 from maulstick.style import shape
 from maulstick.style.arrangement import Arrangement
-from maulstick.style.exemplar import Exemplar, PooledHands
+from maulstick.style.exemplar import Exemplar
 from maulstick.style.hand import Hand, by_length
 from maulstick.style.neighbours import Neighbours
+from maulstick.style.pooled import PooledHands
 from maulstick.style.shape import GIST, RESIDUAL
 from maulstick.style.style import Style
 from maulstick.style.traits import path_length

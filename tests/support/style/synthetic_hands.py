@@ -6,8 +6,9 @@ import numpy as np
 
 from maulstick.storage.arrays import Floats
 from maulstick.strokes.strokes import POINTS, Strokes, resample, standardise
-from maulstick.style.exemplar import Exemplar, PooledHands, pool
+from maulstick.style.exemplar import Exemplar
 from maulstick.style.hand import Hand
+from maulstick.style.pooled import PooledHands, pool
 
 Drawing = Callable[[np.random.Generator, Floats], Floats]
 

@@ -40,7 +40,7 @@ class GuideFile:
         shapes, self._page = read_lines(path)
         self._lines = [line for _, _, line in shapes]
         self._painted = [(colour, line) for group, colour, line in shapes if (group or "").strip().lower() == PAINTED]
-        if not shapes:
+        if not self._painted and not any(np.ptp(line, axis=0).any() for line in self._lines):
             raise InputError(f"{path} has no line to follow; draw some, with a stroke and no fill")
         known = [[colour, line.round(_DECIMALS).tolist()] for colour, line in self._painted]
         self.painted_sum = sum_of([self._page, known]) if known else None

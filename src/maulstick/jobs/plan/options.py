@@ -42,11 +42,16 @@ MOST_AUTO: Final = 10_000
 MOST_STROKES: Final = 100_000
 """Strokes of one plan; more would fill the memory of a usual computer."""
 
+LEAST_HAND: Final = 0.02
+"""Least times a hand's size: a stamp."""
+
+LARGEST_HAND: Final = 50.0
+"""Most times a hand's size: a wall."""
+
 USUAL_PRESSURE: Final = 0.5
 """Pressure of a brush on a machine that only lifts it: half as deep as it goes, for lines of a middle width."""
 
 _USUAL_PAINTS = 12  # paints by default: as many as a person is willing to mix
-_LEAST_HAND, _LARGEST_HAND = 0.02, 50.0  # times a hand's size: a stamp, a wall
 _MOST_STEPS = 1_000_000  # largest number of steps, which takes hours to days
 _FEWEST_PX, _MOST_PX = 16, 32_768  # pixels over the picture's height: a thumbnail, a mural
 
@@ -146,8 +151,8 @@ class PlanOptions:
 
         if self.strokes != AUTO:
             _check_whole("strokes", self.strokes, 1, MOST_STROKES, f"from 1 to {MOST_STROKES}, or {AUTO}")
-        if not (isinstance(self.hand_size, int | float) and _LEAST_HAND <= self.hand_size <= _LARGEST_HAND):
-            raise InputError.of_range(option("hand_size"), self.hand_size, f"from {_LEAST_HAND} to {_LARGEST_HAND}")
+        if not (isinstance(self.hand_size, int | float) and LEAST_HAND <= self.hand_size <= LARGEST_HAND):
+            raise InputError.of_range(option("hand_size"), self.hand_size, f"from {LEAST_HAND} to {LARGEST_HAND}")
         _check_whole("steps", self.steps, 1, _MOST_STEPS)
         _check_whole("ask_every", self.ask_every, 1, _MOST_STEPS)
         _check_whole("seed", self.seed, 0, MOST_SEED)

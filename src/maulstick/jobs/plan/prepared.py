@@ -1,15 +1,17 @@
 """Plan that is prepared: all that planning and its file need, and what is said of it before."""
 
+from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 from maulstick.jobs.plan.again import Again, in_paints_of, locked_in, with_locked
 from maulstick.jobs.plan.device import Choice
-from maulstick.jobs.plan.options import AUTO
+from maulstick.jobs.plan.options import AUTO, LEAST_HAND, MOST_AUTO
 from maulstick.jobs.plan.request import PlanRequest
 from maulstick.jobs.plan.window_pool import windows_at_once
 from maulstick.painting.brush import Brush, names_of
 from maulstick.painting.painting import Painting, Provenance
+from maulstick.painting.succession import Succession
 from maulstick.planning.features.network import Network
 from maulstick.planning.from_picture import as_painting, problem_of, with_metrics
 from maulstick.planning.layout import Layout
@@ -25,8 +27,10 @@ from maulstick.planning.state import State
 from maulstick.planning.tones import InkSupply, Tones
 from maulstick.robot.sheet_reach import sheet_fault
 from maulstick.style import Style
+from maulstick.style.regional import RegionalStyle
 
 _CROWDED = 0.7  # times a hand's size, below which strokes lie more than twice as densely as the hand draws them
+_NO_STROKE = 1e-9  # strokes that a picture without ink needs
 
 
 @dataclass(frozen=True)
@@ -83,7 +87,8 @@ class Prepared:
             notes.append(sheet_fault(self.request.options.robot, canvas.width, canvas.height) or None)
         if self.supply is not None:
             if self.request.options.strokes == AUTO:
-                notes.append(f"{self.settings.strokes:,} strokes, chosen for the picture's ink")
+                strokes = self.settings.strokes
+                notes.append(f"{strokes:,} stroke{'' if strokes == 1 else 's'}, chosen for the picture's ink")
             notes.append(self.supply.note(self.strokes))
         if self.settings.in_ink:
             notes.append(self._crowded())
@@ -97,11 +102,15 @@ class Prepared:
         size = arrangement.size_for(self.settings.strokes, surface_of(self.layout.room, self.layout.canvas))
         if size >= _CROWDED:
             return None
-        options, times = self.request.options, size**-2
-        smaller = 1 / times if options.strokes == AUTO else size  # as many more strokes as they are shorter
+        strokes, times, smaller = self.settings.strokes, size**-2, size
+        if self.supply is not None and self.request.options.strokes == AUTO and strokes < MOST_AUTO:
+            needed = self.supply.needed / self.supply.per_line  # as many more strokes as they are shorter
+            smaller *= min(1.0, size * strokes / max(needed, _NO_STROKE))
+        hand_size = f"{smaller * self.request.options.hand_size:.2g}"
+        one = f"a hand size of {hand_size}" if float(hand_size) >= LEAST_HAND else "no hand size"
         return (
-            f"{self.settings.strokes:,} strokes lie {times:.0f} times as densely on this sheet as the hand draws them; "
-            f"a hand size of {smaller * options.hand_size:.2g} would leave them the room they have there"
+            f"{strokes:,} {'stroke lies' if strokes == 1 else 'strokes lie'} {times:.0f} times as densely on this "
+            f"sheet as the hand draws them; {one} would leave them the room they have there"
         )
 
     def plan(self, watch: Callable[[PlanProgress], bool], resume: State | None) -> PlanResult:
@@ -141,10 +150,17 @@ class Prepared:
             painting = with_locked(painting, locked_in(self.kept), self.kept, planned)
         if self.again is not None:
             painting = in_paints_of(painting, self.again.painting)
-        arrangement = self.style.arrangement
-        if arrangement is not None and self.settings.in_ink and self.settings.arrange:
-            painting = painting.model_copy(update={"succession": arrangement.succession})
+        if self.settings.in_ink and self.settings.arrange:
+            painting = painting.model_copy(update={"succession": self._succession(painting)})
         return with_metrics(painting, self.layout, self.problem, self.tones)
+
+    def _succession(self, painting: Painting) -> Succession | None:
+        """Return how the hand goes on from stroke to stroke that draws most of them; None where that is unknown."""
+        style = self.problem.style
+        hands = style.hands if isinstance(style, RegionalStyle) else (style,)
+        drawn = Counter(stroke.style.name for stroke in painting.strokes if stroke.style is not None)
+        arrangement = max(hands, key=lambda hand: drawn[hand.name]).arrangement
+        return None if arrangement is None else arrangement.succession
 
     def weighed(self, weights: Mapping[str, float]) -> "Prepared":
         """Return the same with other weights of the terms. Raises InputError for weights that cannot be used."""

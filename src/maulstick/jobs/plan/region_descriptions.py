@@ -8,6 +8,7 @@ from typing import Annotated, Final, Literal
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
 
 from maulstick.errors import InputError, validation_fault
+from maulstick.jobs.plan.options import LARGEST_HAND, LEAST_HAND
 from maulstick.painting.brush import Name
 from maulstick.storage.files import read_whole
 from maulstick.storage.library import all_placed, placed
@@ -27,7 +28,7 @@ class RegionDescription(BaseModel):
 
     colour: str | None = None
     style: str | None = None
-    hand_size: Annotated[float, Field(ge=0.02, le=50)] | None = None
+    hand_size: Annotated[float, Field(ge=LEAST_HAND, le=LARGEST_HAND)] | None = None
     brush: str | None = None
     share: Annotated[float, Field(gt=0, lt=1)] | None = None
     importance: Annotated[float, Field(ge=0, le=1000)] = 1.0

@@ -7,6 +7,7 @@ from typing import Annotated, Final, Literal, Self, TypeVar
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, TypeAdapter
 
 from maulstick.errors import InputError
+from maulstick.jobs.plan.options import LARGEST_HAND, LEAST_HAND
 from maulstick.jobs.plan.region_descriptions import REST
 from maulstick.painting.brush import Name
 from maulstick.painting.fields import Metres
@@ -54,7 +55,7 @@ class SaidRegion(_Placed):
     area: Annotated[Area, Field(min_length=1)]
     bare: bool = False
     style: str | None = None
-    hand_size: Annotated[float, Field(ge=0.02, le=50)] | None = None
+    hand_size: Annotated[float, Field(ge=LEAST_HAND, le=LARGEST_HAND)] | None = None
     brush: str | None = None
     importance: Annotated[float, Field(ge=0, le=1000)] = 1.0
     direction: Annotated[float, Field(ge=-360, le=360)] | Literal["guides"] | None = None

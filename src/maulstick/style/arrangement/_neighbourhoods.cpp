@@ -1,4 +1,4 @@
-// Numbers of strokes among those near them, as `plain_describe` in description.py says them, and their slopes.
+// Numbers of strokes among those near them, as `plain_describe` in laid.py says them, and their slopes.
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 

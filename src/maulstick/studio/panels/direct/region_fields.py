@@ -6,6 +6,7 @@ from typing import Any, Protocol
 from nicegui import ui
 from nicegui.elements.mixins.value_element import ValueElement
 
+from maulstick.jobs.plan.options import LARGEST_HAND, LEAST_HAND
 from maulstick.robot.machines import kind_of
 from maulstick.studio.state.plan import Plan
 from maulstick.studio.state.studio import Studio
@@ -34,7 +35,7 @@ class RegionFields:
             self._bare = ui.checkbox("Bare paper: no ink here")
             with ui.element().classes("numbers") as self._inked:
                 self._style = ui.select({}, label="Hand").classes("whole")
-                self._size = ui.number("Size of the hand", min=0.02, max=50, step=0.1, suffix="times")
+                self._size = ui.number("Size of the hand", min=LEAST_HAND, max=LARGEST_HAND, step=0.1, suffix="times")
                 self._importance = ui.number("Counts", min=0, max=1000, suffix="times")
                 self._brush = ui.select({}, label="Brushes", multiple=True).classes("whole").props("use-chips")
                 self._way = ui.select(_WAYS, label="Direction of strokes").classes("whole")
