@@ -188,6 +188,14 @@ def test_a_file_without_lines_is_refused(folder: Path) -> None:
         prepared_with(folder, guides=folder / "none.svg")
 
 
+def test_guides_that_no_part_is_painted_of_are_told(folder: Path) -> None:
+    assert not [note for note in prepared_with(folder).notes if "guide" in note]
+    (folder / "beside.svg").write_text(GUIDES.replace("M20 20 L80 30 L120 30", "M120 20 L180 30"))
+    prepared = prepared_with(folder, guides=folder / "beside.svg")
+    assert prepared.kept is None
+    assert "no guide is painted: none lies on the picture and off bare paper" in prepared.notes
+
+
 def test_a_dot_is_no_line_to_follow_unless_it_is_painted(folder: Path) -> None:
     dot = '<path d="M9 9 L9 9" stroke="black" fill="none"/>'
     (folder / "dot.svg").write_text(f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 100 100">{dot}</svg>')

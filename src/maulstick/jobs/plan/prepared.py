@@ -92,6 +92,8 @@ class Prepared:
             notes.append(self.supply.note(self.strokes))
         if self.settings.in_ink:
             notes.append(self._crowded())
+        if self.kept is None and self.provenance.options.get("painted_guides") is not None:
+            notes.append("no guide is painted: none lies on the picture and off bare paper")
         return [note for note in notes if note is not None]
 
     def _crowded(self) -> str | None:
