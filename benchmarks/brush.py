@@ -17,6 +17,7 @@ photographs: name `photographs`. `fit_brush` for folders of 100 and 500 trials p
     process, torch included.
 """
 
+import argparse
 import json
 import multiprocessing
 import resource
@@ -128,11 +129,13 @@ TABLES = {"fit": fit, "models": models, "photographs": photographs}
 
 
 def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("tables", nargs="*", metavar="TABLE", help=f"of {', '.join(TABLES)}; all by default")
+    words = parser.parse_args().tables
     torch.set_num_threads(1)
-    unknown = [word for word in sys.argv[1:] if word not in TABLES]
-    if unknown:
-        sys.exit(f"there is no table {unknown[0]}; there are: {', '.join(TABLES)}")
-    for word in sys.argv[1:] or TABLES:
+    if unknown := [word for word in words if word not in TABLES]:
+        parser.error(f"there is no table {unknown[0]}; there are: {', '.join(TABLES)}")
+    for word in words or TABLES:
         TABLES[word]()
 
 

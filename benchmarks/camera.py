@@ -9,6 +9,7 @@ name: `places` on an A4 sheet, `one_tag_hidden` the same with three tags: rms_mm
 `moved`: how far a move of the sheet by 8 mm and by 1 mm is missed, mm, blank and painted.
 """
 
+import argparse
 import json
 import sys
 from collections.abc import Callable
@@ -95,6 +96,7 @@ def mean(measure: Callable[[int], Row]) -> Row:
 
 
 if __name__ == "__main__":
+    argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter).parse_args()
     measures: dict[str, Callable[[int], Row]] = {
         "places": places,
         "one_tag_hidden": lambda seed: places(seed, (0,)),

@@ -12,6 +12,7 @@ name: `opened`: from the address to the first sharp picture of all strokes.
 load: of the machine's cores in the last minute, when the row was measured; above 1, others were at work.
 """
 
+import argparse
 import json
 import os
 import shutil
@@ -155,6 +156,7 @@ def acts(page: Page) -> None:
 
 
 if __name__ == "__main__":
+    argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter).parse_args()
     chromium = shutil.which("chromium")
     with TemporaryDirectory() as root, sync_playwright() as playwright:
         put_plan(Path(root) / "studio", "many", painting())

@@ -12,9 +12,9 @@ a stroke to the hand's nearest, in units of other hands' (`few_shot.py`). `psnr_
 `before` lengths were held are kept as they were measured (commit d1b2b56).
 """
 
+import argparse
 import json
 import multiprocessing
-import sys
 import time
 from dataclasses import dataclass
 from itertools import product
@@ -136,9 +136,11 @@ def edge_ink_ratio(painting: Painting, picture: Floats) -> float:
 
 def main() -> None:
     """Make the rows of the hands that are named, or all."""
-    names = sys.argv[1:] or HANDS
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("hands", nargs="*", metavar="HAND", help=f"of {', '.join(HANDS)}; all by default")
+    names = parser.parse_args().hands or HANDS
     if unknown := set(names) - set(HANDS):
-        sys.exit(f"there is no hand {min(unknown)}; there are: {', '.join(HANDS)}")
+        parser.error(f"there is no hand {min(unknown)}; there are: {', '.join(HANDS)}")
     wanted = [Wanted(hand, brush, paints) for brush, paints, hand in product(BRUSHES, PAINTS, names)]
     wanted += [
         Wanted(*each)

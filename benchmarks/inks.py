@@ -8,6 +8,7 @@ energy: unbiased energy distance of how strokes lie, whatever their ink, to the 
 by the numbers of descriptors.py that need no order; others: the mean of the 41 other drawings.
 """
 
+import argparse
 import csv
 import json
 from collections.abc import Iterator
@@ -70,6 +71,7 @@ def rows() -> Iterator[dict[str, object]]:
 
 
 def main() -> None:
+    argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter).parse_args()
     for row in rows():
         print(json.dumps(row), flush=True)
 

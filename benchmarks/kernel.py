@@ -200,7 +200,7 @@ def extra_mib_of(row: Row, device: torch.device) -> float | None:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description="Time and memory of the fast kernels.")
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--device", choices=["cpu", "cuda"], default="cpu", help="where to draw")
     parser.add_argument("--memory-of", metavar="ROW", help=argparse.SUPPRESS)  # in a process of its own
     asked = parser.parse_args()

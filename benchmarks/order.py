@@ -15,6 +15,7 @@ half that judges.  `followed`: share of the strokes of `other_half` behind which
 `metres`: travel of the lifted pen; `tour_metres`, that of the tour.
 """
 
+import argparse
 import json
 from collections.abc import Iterator
 
@@ -36,6 +37,7 @@ Row = dict[str, str | int | float | None]
 
 
 def main() -> None:
+    argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter).parse_args()
     for row in rows():
         print(json.dumps({key: round(x, 4) if isinstance(x, float) else x for key, x in row.items()}), flush=True)
 

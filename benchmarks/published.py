@@ -8,6 +8,7 @@ paper leaves open (width, rate, steps of fine-tuning), and the weight too, is ch
 other sessions best, on average over five trainings, each on twenty other strokes: `CHOSEN`.
 """
 
+import argparse
 import json
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
@@ -118,6 +119,7 @@ def _train(
 
 def main() -> None:
     """Print the energy distances of each recipe to each session, and for each session the best of the others."""
+    argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter).parse_args()
     torch.set_num_threads(1)
     sessions = sessions_of(mocap_hands())
     energies: dict[Recipe, dict[str, list[float]]] = {}

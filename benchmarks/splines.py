@@ -12,6 +12,7 @@ worst, mean: distance of a recorded point from the curve, steps; mean over strok
 sideways: the furthest that the curve departs from one of its straight steps, in that step's length; of all strokes.
 """
 
+import argparse
 import json
 from collections.abc import Callable, Iterator
 
@@ -84,6 +85,7 @@ def measured(path: Floats, points: Floats, curve: PPoly) -> tuple[float, float, 
 
 
 def main() -> None:
+    argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter).parse_args()
     for name, recorded in drawings():
         long = [path for path in recorded if len(path) >= FEWEST and path_lengths(path) > 0]
         if len(long) < LEAST:

@@ -13,6 +13,7 @@ name: `start`: from the command to the link.
     the median of so many `runs`; worst: the longest of them.
 """
 
+import argparse
 import asyncio
 import json
 import re
@@ -143,6 +144,7 @@ def planning(studio: RunningStudio, browser: Browser) -> Iterator[None]:
 
 
 if __name__ == "__main__":
+    argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter).parse_args()
     first_pictures()
     chromium = shutil.which("chromium")
     with TemporaryDirectory() as root, sync_playwright() as playwright:

@@ -13,8 +13,8 @@ Few-shot likeness: see `few_shot.py`. `floor` is the 20 strokes themselves and `
 Kinds: see `kinds.py`. Recognition and plans: see `recognition.py`.
 """
 
+import argparse
 import json
-import sys
 from collections.abc import Callable
 from functools import partial
 from itertools import product
@@ -224,11 +224,13 @@ LONG = ("plans",)
 
 
 def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("tables", nargs="*", metavar="TABLE", help=f"of {', '.join(TABLES)}")
+    words = parser.parse_args().tables
     torch.set_num_threads(1)
-    unknown = [word for word in sys.argv[1:] if word not in TABLES]
-    if unknown:
-        sys.exit(f"there is no table {unknown[0]}; there are: {', '.join(TABLES)}")
-    for word in sys.argv[1:] or [word for word in TABLES if word not in LONG]:
+    if unknown := [word for word in words if word not in TABLES]:
+        parser.error(f"there is no table {unknown[0]}; there are: {', '.join(TABLES)}")
+    for word in words or [word for word in TABLES if word not in LONG]:
         TABLES[word]()
 
 

@@ -12,8 +12,8 @@ tracker records it. (Networks were pretrained on the Wacom drawings.) For the co
 stroke of the hand costs more than a stranger's.
 """
 
+import argparse
 import json
-import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -154,8 +154,10 @@ def choose(constants: tuple[Constant, ...], losses: Callable[[], list[dict[str, 
 
 
 def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("of", nargs="?", choices=["exemplar", "trajvae", "cost"], default="exemplar")
+    word = parser.parse_args().of
     torch.set_num_threads(1)
-    word = sys.argv[1] if sys.argv[1:] else "exemplar"
     wacom, drawings = wacom_drawings(), human_drawings()
     pools: dict[str, PooledHands] = {name: pool_without(name, wacom) for name in wacom}
     shipped, network = load_hands(), pretrained()

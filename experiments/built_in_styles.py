@@ -6,6 +6,7 @@ A drawing mixes several ways of drawing; a style is one of them, told by how its
 whole drawings, with all ways of drawing in them and with how their strokes are arranged.
 """
 
+import argparse
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -61,6 +62,7 @@ WHOLE = ("elephant", "moscow")
 
 def main() -> None:
     """Write all files."""
+    argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter).parse_args()
     drawings = wacom_hands()
     hands = pool([Hand.of(strokes) for strokes in drawings.values()])
     write_hands(hands, BUILT_IN)

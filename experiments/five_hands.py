@@ -3,6 +3,7 @@
 .venv/bin/python experiments/five_hands.py five-hands.jpg
 """
 
+import argparse
 import subprocess
 import sys
 from pathlib import Path
@@ -29,6 +30,6 @@ def main(out: str) -> None:
 
 
 if __name__ == "__main__":
-    if len(sys.argv) != 2:
-        sys.exit("name the picture to write, as in five-hands.jpg")
-    main(sys.argv[1])
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("out", help="the picture to write, as in five-hands.jpg")
+    main(parser.parse_args().out)

@@ -3,6 +3,7 @@
 .venv/bin/python experiments/notebook.py
 """
 
+import argparse
 import io
 from base64 import b64decode, b64encode
 from pathlib import Path
@@ -51,6 +52,7 @@ def _jpeg(picture: str) -> str:
 
 def main() -> None:
     """Run it, and write it with its outputs."""
+    argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter).parse_args()
     notebook = run(NOTEBOOK)
     for cell in notebook.cells:
         if cell.cell_type == "code":

@@ -5,6 +5,7 @@
 Prints how well it draws strokes of drawings that it was not trained on (every fourth left out), then trains on all.
 """
 
+import argparse
 from pathlib import Path
 
 import numpy as np
@@ -24,6 +25,7 @@ SEED = 0
 
 def main() -> None:
     """Write the network."""
+    argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter).parse_args()
     torch.set_num_threads(1)
     hands = {name: Hand.of(strokes) for name, strokes in wacom_hands().items()}
     for left in range(4):

@@ -212,7 +212,7 @@ def plot(drawn: dict[tuple[str, str], Tensor]) -> bytes:
 
 def main() -> None:
     """Print the table, and write the plot if it is asked for."""
-    parser = argparse.ArgumentParser(description="The paper's table of stroke models.")
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--dataset", choices=DATASETS, help="only this one")
     parser.add_argument("--seconds", type=float, default=60, help="for one training of a network")
     parser.add_argument("--seeds", type=int, default=1, help="trainings of each network")

@@ -6,6 +6,7 @@ The hand that is drawn is the built-in one called cursive, traced with the brows
 the survey are answered at random.
 """
 
+import argparse
 import re
 import shutil
 import sys
@@ -170,6 +171,6 @@ def main(out: Path) -> None:
 
 
 if __name__ == "__main__":
-    if len(sys.argv) != 2:
-        sys.exit("name the folder for the pictures, as in docs")
-    main(Path(sys.argv[1]))
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("out", type=Path, help="the folder for the pictures, as in docs")
+    main(parser.parse_args().out)
