@@ -24,7 +24,8 @@ def __getattr__(name: str) -> Any:
         from importlib.metadata import version  # takes a tenth of the command line's start
 
         return version("maulstick")
+    from maulstick.api.usual_torch import usual_torch  # else tensors that modules keep would be of the caller's kind
     from maulstick.errors import needs_torch
 
-    with needs_torch():
+    with needs_torch(), usual_torch():
         return _load(name)

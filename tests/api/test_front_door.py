@@ -406,6 +406,24 @@ def test_a_long_frieze_is_shown_in_a_notebook_too(painting: ms.Painting) -> None
             assert image.width <= 8192
 
 
+def test_what_a_program_has_made_of_torch_changes_no_plan_and_is_kept(painting: ms.Painting, tmp_path: Path) -> None:
+    code = f"""
+import torch
+torch.set_default_dtype(torch.float64)
+torch.set_default_device("meta")
+import maulstick as ms
+with torch.inference_mode():
+    planned = ms.plan({str(demo_picture())!r}, **{QUICK})
+    planned.save({str(tmp_path / "planned.json")!r})
+    planned._repr_png_()
+    ms.paint(planned)
+    print(torch.get_default_dtype(), torch.get_default_device(), torch.is_inference_mode_enabled())
+"""
+    ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert (ran.stdout.split(), ran.returncode) == (["torch.float64", "meta", "True"], 0), ran.stderr
+    assert ms.read_painting(tmp_path / "planned.json").strokes == painting.strokes
+
+
 def test_what_is_painted_is_left_out_wherever_the_background_is_given(painting: ms.Painting, tmp_path: Path) -> None:
     file, photograph = tmp_path / "cat.json", tmp_path / "sheet.png"
     painting.save(file)

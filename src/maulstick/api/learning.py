@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from contextlib import nullcontext
 from pathlib import Path
 
+from maulstick.api.usual_torch import in_usual_torch
 from maulstick.api.warning import warn
 from maulstick.errors import InputError, needs_torch
 from maulstick.jobs.learn import Recorded, learn_style, strokes_of
@@ -48,6 +49,7 @@ def read_ink(path: str | Path, *, size: str | None = None, longest: str | None =
 
 
 @checked
+@in_usual_torch
 def fit_style(
     ink: Recorded | Sequence[Recorded], name: str = "own", *, kind: str = "exemplar", keep: bool = False
 ) -> Style:
@@ -75,6 +77,7 @@ def fit_style(
 
 
 @checked
+@in_usual_torch
 def load_style(name: str | Path, size: str = PlanOptions.size) -> Style:
     """Return a style by its name or the path of its JSON; ``free`` is sized for a sheet of this `size`.
 
@@ -88,6 +91,7 @@ def load_style(name: str | Path, size: str = PlanOptions.size) -> Style:
 
 
 @checked
+@in_usual_torch
 def fit_brush(trials: str | Path, name: str = "own", *, keep: bool = False) -> Brush:
     """Fit a brush to a folder of trials: strokes drawn once each, with photographs before and after.
 

@@ -12,6 +12,7 @@ from typing import Any, final
 from PIL import Image as Pillow
 from pydantic import ValidationError
 
+from maulstick.api.usual_torch import in_usual_torch
 from maulstick.api.warning import warn
 from maulstick.drawing.options import DrawingOptions
 from maulstick.errors import PYTHON, InputError, option, validation_fault
@@ -45,6 +46,7 @@ class PaintResult:
 
 
 @checked
+@in_usual_torch
 def paint(
     painting: Painting | str | Path,
     robot: str | Robot = "sim",

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 from pydantic import ValidationError
 
+from maulstick.api.usual_torch import in_usual_torch
 from maulstick.api.warning import warn
 from maulstick.drawing.options import DrawingOptions
 from maulstick.errors import InputError, validation_fault
@@ -158,6 +159,7 @@ class Painting(records.Painting):
 
     __str__ = __repr__
 
+    @in_usual_torch
     def _repr_png_(self) -> bytes:
         from maulstick.rendering.preview import preview_of_height  # loads torch
 
@@ -166,6 +168,7 @@ class Painting(records.Painting):
 
 
 @checked
+@in_usual_torch
 def read_painting(path: str | Path, **drawing: Any) -> Painting:
     """Read a painting.json, or an SVG as a painting that a machine draws as it is.
 

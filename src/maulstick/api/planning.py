@@ -9,6 +9,7 @@ import numpy as np
 from PIL import Image as Pillow
 
 from maulstick.api.painting import Painting, read_painting
+from maulstick.api.usual_torch import in_usual_torch
 from maulstick.api.warning import warn
 from maulstick.errors import InputError
 from maulstick.jobs.plan.again import Again
@@ -32,6 +33,7 @@ _NAMES = {each.name for each in fields(PlanOptions)}
 
 
 @checked
+@in_usual_torch
 def plan(
     picture: Picture | None = None,
     *,
@@ -108,6 +110,7 @@ def plan(
 
 
 @checked
+@in_usual_torch
 def render(painting: records.Painting | str | Path, px: int = 1024) -> Pillow.Image:
     """Draw a painting, or the painting.json or SVG at a path, as a Pillow image (RGB) that is `px` pixels high.
 
@@ -122,6 +125,7 @@ def render(painting: records.Painting | str | Path, px: int = 1024) -> Pillow.Im
 
 
 @checked
+@in_usual_torch
 def compare(painting: records.Painting | str | Path, picture: Picture) -> Metrics:
     """Measure how near a painting, or the painting.json at a path, comes to a picture, over the picture's area.
 
