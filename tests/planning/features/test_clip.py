@@ -110,6 +110,12 @@ def test_it_works_in_the_precision_of_its_images(weights: dict[str, Path], name:
     assert torch.allclose(double[1].float(), single[1], atol=FLOAT32_GRADIENT)
 
 
+def test_loading_it_draws_no_random_numbers_of_the_program(weights: dict[str, Path]) -> None:
+    before = torch.get_rng_state()
+    Clip.load("tiny-resnet", weights["tiny-resnet"])
+    assert torch.equal(torch.get_rng_state(), before)
+
+
 def test_layers_are_chosen_by_number(weights: dict[str, Path]) -> None:
     usual, _ = Clip.load("tiny-resnet", weights["tiny-resnet"]).features(images(64))
     chosen, _ = Clip.load("tiny-resnet", weights["tiny-resnet"], layers=(0, 3)).features(images(64))

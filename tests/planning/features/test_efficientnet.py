@@ -62,6 +62,12 @@ def test_it_is_loaded_once_and_says_the_same_again(network: EfficientNetLite0, c
     assert torch.equal(first, again)
 
 
+def test_loading_it_draws_no_random_numbers_of_the_program(cat: Tensor) -> None:
+    before = torch.get_rng_state()
+    EfficientNetLite0().features(cat)
+    assert torch.equal(torch.get_rng_state(), before)
+
+
 def test_an_image_is_seen_alike_alone_and_among_others(network: EfficientNetLite0, cat: Tensor) -> None:
     among = network.features(torch.cat([cat.flip(3), cat]))[1][1]
     alone = network.features(cat)[1][0]

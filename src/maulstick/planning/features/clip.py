@@ -73,13 +73,14 @@ class Clip(ReadingNetwork):
             raise InputError(f"{file} is no file of CLIP weights; it must be one of: {', '.join(_FORMATS)}")
         try:
             # OpenAI's weights were trained with an approximate GELU, which their files do not say.
-            loaded = open_clip.create_model(
-                name,
-                pretrained=str(file),
-                force_quick_gelu=made.get("quick_gelu", False),
-                force_preprocess_cfg=made,
-                weights_only=True,
-            )
+            with torch.random.fork_rng(devices=()):  # it is made with random weights first
+                loaded = open_clip.create_model(
+                    name,
+                    pretrained=str(file),
+                    force_quick_gelu=made.get("quick_gelu", False),
+                    force_preprocess_cfg=made,
+                    weights_only=True,
+                )
             tokenize = open_clip.get_tokenizer(name)
         except Exception as error:  # a broken file raises nearly anything
             if isinstance(error, UnpicklingError) or "TorchScript" in str(error):

