@@ -4,7 +4,7 @@ import inspect
 import re
 from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import wraps
-from numbers import Real
+from numbers import Integral, Real
 from os import PathLike
 from pathlib import Path
 from reprlib import repr as shortened
@@ -41,6 +41,13 @@ def check_kinds(values: Mapping[str, object], kinds: Mapping[str, Any]) -> None:
         if not _is_a(value, kinds[name]):
             told = re.sub(r"(\w+\.)+", "", inspect.formatannotation(kinds[name]))
             raise InputError.of_range(option(name), " ".join(shortened(value).split()), f"of the kind {told}")
+
+
+def check_whole(name: str, number: object, least: int, most: int, allowed: str | None = None) -> None:
+    """Raise InputError for an option that is no whole number from `least` to `most`; `allowed` says so otherwise."""
+    if not isinstance(number, Integral) or isinstance(number, bool) or not least <= int(number) <= most:
+        shown = number if isinstance(number, np.number) else repr(number)
+        raise InputError.of_range(option(name), shown, allowed or f"from {least} to {most}")
 
 
 def _is_a(value: object, kind: Any) -> bool:

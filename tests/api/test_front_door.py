@@ -209,6 +209,11 @@ def test_options_are_refused_in_the_words_of_python(options: dict[str, Any], sai
     [
         (lambda painting: ms.render(painting, px="a"), "px is 'a'; it must be of the kind int"),
         (lambda painting: ms.render(painting, px=1.5), "px is 1.5; it must be a whole number"),
+        (lambda painting: ms.paint(painting, from_stroke=1.5), "from_stroke is 1.5; it must be 1 to the"),
+        (lambda painting: ms.paint(painting, from_pen=1.5), "from_pen is 1.5; it must be 1 to"),
+        (lambda painting: ms.plan(demo_picture(), workers=1.5), "workers is 1.5; it must be from 1 to 32"),
+        (lambda painting: ms.sweep({"axes": {"seed": [0]}}, at_once=1.5), "at_once is 1.5; it must be from 1 to 1024"),
+        (lambda painting: ms.sweep({"axes": {"seed": [0]}}, retries=0.5), "retries is 0.5; it must be from 0 to 100"),
         (lambda painting: ms.compare(3, demo_picture()), "painting is 3; it must be of the kind Painting | str | Path"),
         (lambda painting: ms.read_ink("wine.svg", size=3), "size is 3; it must be of the kind str | None"),
         (lambda painting: ms.load_brush(3), "name is 3; it must be of the kind str | Path"),

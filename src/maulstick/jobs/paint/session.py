@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from maulstick.errors import InputError, Remedy, nothing_is_painted, option
+from maulstick.errors import InputError, Remedy, nothing_is_painted
 from maulstick.jobs.paint.estimate import Estimate
 from maulstick.jobs.paint.journals import check_free, check_not_begun, check_own
 from maulstick.jobs.paint.machine_lock import machine_lock
@@ -15,6 +15,7 @@ from maulstick.jobs.paint.request import PaintRequest
 from maulstick.jobs.paint.setup import PaintSetup
 from maulstick.jobs.paint.sheet import PaintSheet, actions_left, paint_sheet
 from maulstick.jobs.paintable import Paintable, is_svg, read_paintable, strokes_sum
+from maulstick.kinds import check_whole
 from maulstick.robot.journal import Journal, journal_of, latest_sheet
 from maulstick.robot.routine import NOTHING, PaintLoad
 from maulstick.robot.stops import UNKNOWN
@@ -68,8 +69,8 @@ def _plan_of(request: PaintRequest) -> Paintable:
     count = len(plan.painting.strokes)
     if not count:
         raise InputError(f"{request.painting} has no strokes; plan it again with more")
-    if number is not None and not 1 <= number <= count:
-        raise InputError.of_range(option("from_stroke"), number, f"1 to the {counted(count, 'stroke')}")
+    if number is not None:
+        check_whole("from_stroke", number, 1, count, f"1 to the {counted(count, 'stroke')}")
     return plan
 
 

@@ -8,6 +8,7 @@ from maulstick.jobs.paint.options import PaintOptions
 from maulstick.jobs.paint.replanning import Replanning
 from maulstick.jobs.paint.simulation import Simulation
 from maulstick.jobs.paintable import Paintable
+from maulstick.kinds import check_whole
 from maulstick.ordering.sequence import sequenced
 from maulstick.painting.brush import Brush, load_pen_brush
 from maulstick.painting.painting import Painting
@@ -70,9 +71,7 @@ class PaintSetup:
         strokes = self.plan.strokes
         if from_pen is not None:
             starts = [i for i, stroke in enumerate(strokes) if i == 0 or stroke.paint != strokes[i - 1].paint]
-            if not 1 <= from_pen <= len(starts):
-                allowed = f"1 to {len(starts)}, the times that a pen is put in"
-                raise InputError.of_range(option("from_pen"), from_pen, allowed)
+            check_whole("from_pen", from_pen, 1, len(starts), f"1 to {len(starts)}, the times that a pen is put in")
             return tuple(stroke.id for stroke in strokes[: starts[from_pen - 1]])
         return () if from_stroke is None else tuple(stroke.id for stroke in strokes[: from_stroke - 1])
 

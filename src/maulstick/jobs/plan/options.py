@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import ConfigDict
 
 from maulstick.errors import InputError, option
-from maulstick.kinds import check_kinds
+from maulstick.kinds import check_kinds, check_whole
 from maulstick.painting.edit import WHOLE, Crop, PictureEdit
 from maulstick.painting.fit import FITS
 from maulstick.painting.raster import is_turned_by_picture, parse_margin, parse_sheet
@@ -150,14 +150,14 @@ class PlanOptions:
         from maulstick.colour.palette import parse_colour  # loads scikit-image
 
         if self.strokes != AUTO:
-            _check_whole("strokes", self.strokes, 1, MOST_STROKES, f"from 1 to {MOST_STROKES}, or {AUTO}")
+            check_whole("strokes", self.strokes, 1, MOST_STROKES, f"from 1 to {MOST_STROKES}, or {AUTO}")
         if not (isinstance(self.hand_size, int | float) and LEAST_HAND <= self.hand_size <= LARGEST_HAND):
             raise InputError.of_range(option("hand_size"), self.hand_size, f"from {LEAST_HAND} to {LARGEST_HAND}")
-        _check_whole("steps", self.steps, 1, _MOST_STEPS)
-        _check_whole("ask_every", self.ask_every, 1, _MOST_STEPS)
-        _check_whole("seed", self.seed, 0, MOST_SEED)
+        check_whole("steps", self.steps, 1, _MOST_STEPS)
+        check_whole("ask_every", self.ask_every, 1, _MOST_STEPS)
+        check_whole("seed", self.seed, 0, MOST_SEED)
         if self.px is not None:
-            _check_whole("px", self.px, _FEWEST_PX, _MOST_PX)
+            check_whole("px", self.px, _FEWEST_PX, _MOST_PX)
         parse_margin(self.margin, parse_sheet(self.size, None))
         if self.background is not None and is_turned_by_picture(self.size):
             raise InputError(
@@ -239,7 +239,7 @@ class PlanOptions:
         if len(ways) > 1:
             raise InputError(f"{ways[0]} and {ways[1]} are two ways to say what to paint with; leave one of them out")
         if self.paints is not None and self.strokes != AUTO:
-            _check_whole("paints", self.paints, 1, self.strokes, f"from 1 to the {counted(self.strokes, 'stroke')}")
+            check_whole("paints", self.paints, 1, self.strokes, f"from 1 to the {counted(self.strokes, 'stroke')}")
 
 
 def colours_in(said: str) -> tuple[str, ...]:
@@ -252,8 +252,3 @@ def _plain(value: Any) -> Any:
     if isinstance(value, Mapping):
         return {name: _plain(each) for name, each in value.items()}
     return value.item() if isinstance(value, np.generic) else value
-
-
-def _check_whole(name: str, number: object, least: int, most: int, allowed: str | None = None) -> None:
-    if not isinstance(number, int) or isinstance(number, bool) or not least <= number <= most:
-        raise InputError.of_range(option(name), repr(number), allowed or f"from {least} to {most}")

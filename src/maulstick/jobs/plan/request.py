@@ -12,6 +12,7 @@ from pydantic import ConfigDict, JsonValue, TypeAdapter, ValidationError
 
 from maulstick.errors import InputError, option, validation_fault
 from maulstick.jobs.plan.options import FILES, MOST_SEED, PlanOptions
+from maulstick.kinds import check_whole
 from maulstick.painting.video import Video
 from maulstick.robot.journal import journal_of
 from maulstick.storage.files import file_sum
@@ -47,12 +48,11 @@ class PlanRequest:
     def __post_init__(self) -> None:
         if self.picture is not None:
             object.__setattr__(self, "picture", self.picture.absolute())
-        if not 1 <= self.tries <= MOST_TRIES:
-            raise InputError.of_range(option("tries"), self.tries, f"from 1 to {MOST_TRIES}")
+        check_whole("tries", self.tries, 1, MOST_TRIES)
         if self.options.seed + self.tries - 1 > MOST_SEED:
             raise InputError.of_range(option("seed"), self.options.seed, f"from 0 to {MOST_SEED + 1 - self.tries}")
-        if self.workers is not None and not 1 <= self.workers <= MOST_WORKERS:
-            raise InputError.of_range(option("workers"), self.workers, f"from 1 to {MOST_WORKERS}")
+        if self.workers is not None:
+            check_whole("workers", self.workers, 1, MOST_WORKERS)
         if self.video is not None:
             Video(self.video)
             if self.tries > 1:

@@ -7,8 +7,9 @@ from typing import Final
 
 from pydantic import JsonValue
 
-from maulstick.errors import InputError, option
+from maulstick.errors import InputError
 from maulstick.jobs.sweep.sweep import Engine
+from maulstick.kinds import check_whole
 
 NAMES: Final = ("local", "ray", "ray:ADDRESS", "slurm")
 """Names of all engines."""
@@ -21,8 +22,8 @@ def check_engine(on: str, at_once: int | None) -> None:
     """Raise InputError for the name of no engine, and for a number of cells that is out of its range."""
     if on not in ("local", "ray", "slurm") and not re.fullmatch("ray:.+", on):
         raise InputError.of_choice("place to plan on", on, NAMES)
-    if at_once is not None and not 1 <= at_once <= _MOST:
-        raise InputError.of_range(option("at_once"), at_once, f"from 1 to {_MOST}")
+    if at_once is not None:
+        check_whole("at_once", at_once, 1, _MOST)
 
 
 def make_engine(on: str, at_once: int | None, out: Path, slurm: Mapping[str, JsonValue]) -> Engine:

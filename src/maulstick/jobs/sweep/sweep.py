@@ -9,9 +9,10 @@ from functools import cache
 from pathlib import Path
 from typing import Protocol
 
-from maulstick.errors import InputError, OutputError, option
+from maulstick.errors import OutputError, option
 from maulstick.jobs.sweep.cell import STOP, begin, is_cell, is_finished, share_of, summed
 from maulstick.jobs.sweep.grid import SHEET, TABLE, Cell, Grid
+from maulstick.kinds import check_whole
 from maulstick.painting.painting_file import read_painting
 from maulstick.storage.files import file_sum, held
 from maulstick.storage.folders import as_output_error, made_folder
@@ -70,8 +71,7 @@ class Standing:
 
 def check_retries(retries: int) -> None:
     """Raise InputError for a number of retries that is out of its range."""
-    if not 0 <= retries <= _MOST_RETRIES:
-        raise InputError.of_range(option("retries"), retries, f"from 0 to {_MOST_RETRIES}")
+    check_whole("retries", retries, 0, _MOST_RETRIES)
 
 
 @contextmanager
