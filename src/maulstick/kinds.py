@@ -2,7 +2,7 @@
 
 import inspect
 import re
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from functools import wraps
 from numbers import Integral, Real
 from os import PathLike
@@ -41,6 +41,13 @@ def check_kinds(values: Mapping[str, object], kinds: Mapping[str, Any]) -> None:
         if not _is_a(value, kinds[name]):
             told = re.sub(r"(\w+\.)+", "", inspect.formatannotation(kinds[name]))
             raise InputError.of_range(option(name), " ".join(shortened(value).split()), f"of the kind {told}")
+
+
+def check_names(given: Iterable[str], known: Collection[str]) -> None:
+    """Raise InputError for the first name of an option that is not known."""
+    for name in given:
+        if name not in known:
+            raise InputError.of_choice("option", name, known)
 
 
 def check_whole(name: str, number: object, least: int, most: int, allowed: str | None = None) -> None:

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import torch
 from PIL import Image
 
 import maulstick as ms
@@ -163,6 +164,11 @@ def test_pictures_are_paths_images_and_arrays(painting: ms.Painting) -> None:
         (np.zeros((0, 4, 3)), "has shape (0, 4, 3)"),
         (Image.fromarray(np.full((4, 4), 128, np.float32)), "grey values are not 16-bit numbers, nor fractions of 1"),
         (Image.new("RGB", (0, 4)), "has 0 x 4 pixels; it must have one at least"),
+        ([[0.5, 0.5], [0.5]], "the picture is no array: setting an array element with a sequence"),
+        (
+            torch.zeros(4, 4, requires_grad=True),
+            "the picture is no array: Can't call numpy() on Tensor that requires grad",
+        ),
         ("none.jpg", "none.jpg; check its name and folder"),
     ],
 )
@@ -209,6 +215,15 @@ def test_options_are_refused_in_the_words_of_python(options: dict[str, Any], sai
     [
         (lambda painting: ms.render(painting, px="a"), "px is 'a'; it must be of the kind int"),
         (lambda painting: ms.render(painting, px=1.5), "px is 1.5; it must be a whole number"),
+        (lambda painting: ms.paint(painting, colour="red"), "there is no option 'colour'; there are: camera, colours"),
+        (lambda painting: ms.paint(painting, look=True), "there is no option 'look'; there are: camera, colours"),
+        (lambda painting: ms.read_painting("a.svg", hach="1mm"), "there is no option 'hach'; there are: hatch"),
+        (lambda painting: ms.paint("a.svg", drawing={"hach": "1mm"}), "there is no option 'hach'; there are: hatch"),
+        (
+            lambda painting: ms.paint(painting.remove(*(each.id for each in painting.strokes))),
+            "the painting has no strokes",
+        ),
+        (lambda painting: ms.paint(painting, drawing={"hatch": "1mm"}), "the painting is no SVG, and a painting is"),
         (lambda painting: ms.paint(painting, from_stroke=1.5), "from_stroke is 1.5; it must be 1 to the"),
         (lambda painting: ms.paint(painting, from_pen=1.5), "from_pen is 1.5; it must be 1 to"),
         (lambda painting: ms.plan(demo_picture(), workers=1.5), "workers is 1.5; it must be from 1 to 32"),

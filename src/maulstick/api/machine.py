@@ -2,7 +2,7 @@
 
 import signal
 import threading
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,7 +15,7 @@ from pydantic import ValidationError
 from maulstick.api.usual_torch import in_usual_torch
 from maulstick.api.warning import warn
 from maulstick.drawing.options import DrawingOptions
-from maulstick.errors import PYTHON, InputError, option, validation_fault
+from maulstick.errors import PYTHON, InputError, MaulstickError, option, validation_fault
 from maulstick.jobs.paint import session
 from maulstick.jobs.paint.estimate import Estimate
 from maulstick.jobs.paint.operator import Operator
@@ -23,13 +23,16 @@ from maulstick.jobs.paint.options import PaintOptions
 from maulstick.jobs.paint.request import PaintRequest
 from maulstick.jobs.paint.setup import PaintSetup
 from maulstick.jobs.paint.status import status_of
-from maulstick.kinds import checked
+from maulstick.kinds import check_names, checked
 from maulstick.painting.painting import Painting
 from maulstick.painting.painting_file import write_painting
 from maulstick.robot.execute import PaintProgress
 from maulstick.robot.machines import check_spec
 from maulstick.robot.robot import Robot, StoppedError
 from maulstick.robot.routine import Prompt
+
+_OF_OTHERS = {"robot", "look", "strokes_sha256"}  # a parameter of `paint`, a key of the terminal, a journal's own
+_NAMES = PaintOptions.model_fields.keys() - _OF_OTHERS
 
 
 @dataclass(frozen=True)
@@ -111,7 +114,12 @@ def paint(
                 raise InputError(f"stroke {number} was under the brush when the run ended; {told}")
             return unfinished
 
-        session.paint(request, is_painted, operator_for)
+        try:
+            session.paint(request, is_painted, operator_for)
+        except MaulstickError as error:
+            if isinstance(painting, Painting):  # the caller knows of no file
+                raise error.replaced(str(file), "the painting") from error
+            raise
         status = status_of(file)
     assert status is not None  # the run has written a journal
     return PaintResult(status.strokes, status.painted, photographs[-1] if photographs else None)
@@ -122,6 +130,9 @@ def _options(robot: str | Robot, options: dict[str, Any]) -> PaintOptions:
     if of_svg := sorted({*options} & {*DrawingOptions.model_fields}):
         told = f'give it as drawing={{"{of_svg[0]}": {options[of_svg[0]]!r}}}'
         raise InputError(f"{of_svg[0]} is about how an SVG is read; {told}")
+    check_names(options, _NAMES)
+    if isinstance(drawing := options.get("drawing"), Mapping):
+        check_names(drawing, DrawingOptions.model_fields)
     try:
         asked = PaintOptions.model_validate({"robot": spec, **options})
     except ValidationError as error:

@@ -13,7 +13,7 @@ from maulstick.api.warning import warn
 from maulstick.drawing.options import DrawingOptions
 from maulstick.errors import InputError, validation_fault
 from maulstick.jobs.paintable import read_paintable
-from maulstick.kinds import checked
+from maulstick.kinds import check_names, checked
 from maulstick.painting import painting as records
 from maulstick.painting.painting_file import write_painting
 from maulstick.painting.picture import encode_png
@@ -179,6 +179,7 @@ def read_painting(path: str | Path, **drawing: Any) -> Painting:
         >>> read_painting(folder / "cat.json").sheet.width
         0.2
     """
+    check_names(drawing, DrawingOptions.model_fields)
     try:
         options = DrawingOptions.model_validate(drawing) if drawing else None
     except ValidationError as error:

@@ -17,7 +17,7 @@ from maulstick.jobs.plan.before import picture_near, planned_before
 from maulstick.jobs.plan.options import PlanOptions
 from maulstick.jobs.plan.prepare import prepare
 from maulstick.jobs.plan.request import PlanRequest
-from maulstick.kinds import checked
+from maulstick.kinds import check_names, checked
 from maulstick.painting import painting as records
 from maulstick.painting.brush import Brush, in_painting_order, load_brush, names_of
 from maulstick.painting.metrics import Metrics
@@ -66,9 +66,7 @@ def plan(
         >>> len(painting.paints)
         1
     """
-    for name in changes:
-        if name not in _NAMES:
-            raise InputError.of_choice("option", name, _NAMES)
+    check_names(changes, _NAMES)
     if style is not None:
         changes["style"] = style.name if isinstance(style, Style) else str(style)
     if again is None and options is not None:

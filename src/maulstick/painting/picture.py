@@ -80,7 +80,12 @@ def image_of(picture: Picture, longest_px: int = READ_PX) -> Pixels:
         return read_picture(picture, longest_px)
     if isinstance(picture, Image.Image):
         return _image_of(picture, longest_px)
-    pixels = np.asarray(picture)
+    try:
+        pixels = np.asarray(picture)
+    except Exception as error:  # as of rows of unlike length, or of a tensor on a GPU
+        raise InputError(
+            f"the picture is no array: {_reason(error)}; give one (H, W, 3), or (H, W) for greys"
+        ) from error
     if pixels.ndim not in (2, 3) or (pixels.ndim == 3 and pixels.shape[2] != 3) or 0 in pixels.shape:
         raise InputError(f"the picture has shape {pixels.shape}; it must be (H, W, 3), or (H, W) for greys")
     if pixels.dtype == np.uint8:
