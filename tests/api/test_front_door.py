@@ -407,6 +407,12 @@ def test_a_machine_that_there_is_not_is_told_before_the_file_that_one_would_want
         ms.paint(painting, robot=spec)
 
 
+def test_a_question_that_nobody_can_answer_is_told(painting: ms.Painting, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("sys.stdin", io.StringIO())
+    with pytest.raises(InputError, match=r"^nobody is there to .*; run it in a terminal, or give ask$"):
+        ms.paint(painting, robot="sim:pens")
+
+
 def test_only_what_has_a_file_is_gone_on_with(painting: ms.Painting, tmp_path: Path) -> None:
     with pytest.raises(InputError, match="give the path of that file"):
         ms.paint(painting, resume=True)

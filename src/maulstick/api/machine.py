@@ -78,8 +78,8 @@ def paint(
     as in ``drawing={"hatch": "1mm"}``.
 
     Raises InputError before anything moves, where the painting does not fit the machine, or options do not go
-    together, MachineError where the machine fails, StoppedError and KeyboardInterrupt where it was stopped; its pen is
-    then lifted.
+    together, and on the way where there is no terminal to ask on; MachineError where the machine fails, StoppedError
+    and KeyboardInterrupt where it was stopped; its pen is then lifted.
 
         >>> paint(painting, robot="sim").photograph.mode
         'RGB'
@@ -142,7 +142,10 @@ def _options(robot: str | Robot, options: dict[str, Any]) -> PaintOptions:
 
 
 def _ask_on_the_terminal(message: str) -> None:
-    input(f"{message}, and press Enter: ")
+    try:
+        input(f"{message}, and press Enter: ")
+    except EOFError as error:
+        raise InputError(f"nobody is there to {message}; run it in a terminal, or give ask") from error
 
 
 @final
