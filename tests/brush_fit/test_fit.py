@@ -1,6 +1,7 @@
 import re
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -8,7 +9,7 @@ from scipy import ndimage
 
 from maulstick.brush_fit import fit as module
 from maulstick.brush_fit import selection
-from maulstick.brush_fit.evidence import read_evidence
+from maulstick.brush_fit.evidence import Evidence, read_evidence
 from maulstick.brush_fit.fit import Fit, fit_brush
 from maulstick.brush_fit.selection import bend
 from maulstick.brush_fit.trials import Trial, Trials
@@ -211,7 +212,23 @@ def test_strokes_that_all_go_along_one_axis_tell_nothing_of_the_other_scale(monk
 def test_a_mark_that_is_thinner_than_a_pixel_is_doubted() -> None:
     thin = MARKER.model_copy(update={"alpha": 0.0, "beta": 0.3 / SCALE})
     found = fitted(draw_darkness(thin, 6, 1))
-    assert any(re.match(r"the mark is 0\.\d+ pixels wide in the photographs", text) for text in found.warnings)
+    (said,) = (text for text in found.warnings if re.match(r"the mark is 0\.\d+ pixels wide in the photographs", text))
+    assert said.endswith("cannot be told apart; photograph the strokes from nearer")
+
+
+@pytest.mark.parametrize(("pixels", "and_nearer"), [(0.6, ""), (0.3, ", and photograph them from nearer")])
+def test_a_thin_mark_in_photographs_that_long_strokes_made_coarse_asks_for_shorter_ones(
+    monkeypatch: pytest.MonkeyPatch, pixels: float, and_nearer: str
+) -> None:
+    def read_reduced(*given: Any) -> tuple[Evidence, list[str]]:
+        evidence, left_out = read_evidence(*given)
+        return replace(evidence, reduced=2), left_out
+
+    monkeypatch.setattr(module, "read_evidence", read_reduced)
+    thin = MARKER.model_copy(update={"alpha": 0.0, "beta": pixels / 2 / SCALE})
+    (said,) = (text for text in fitted(draw_darkness(thin, 6, 1)).warnings if text.startswith("the mark is 0."))
+    shorter = "; draw shorter strokes, whose photographs need not be reduced as these were, to 1/2 of their size"
+    assert said.endswith(f"{shorter}{and_nearer}")
 
 
 def cut_out(trial: Trial, turned: bool) -> Trial:

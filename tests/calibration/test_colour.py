@@ -9,6 +9,7 @@ from maulstick.calibration.chart import CHART, GREY_CARD, with_chart, with_grey_
 from maulstick.calibration.colour import Colours, Whites, lamp_of, read_colours, whites_of, write_colours
 from maulstick.colour.srgb import colours_of, light_of
 from maulstick.errors import InputError
+from maulstick.painting.raster import parse_size
 from maulstick.robot.simulated.camera import Optics
 from maulstick.storage.arrays import Image
 from tests.support.calibration.photo_studio import (
@@ -78,6 +79,13 @@ def test_exposure_is_known_from_the_tags_that_are_left(lamp: Colours) -> None:
     assert sorted(whites) == [0, 2, 3]
     paper = np.median(lamp.correct(flat, whites).reshape(-1, 3), axis=0)
     np.testing.assert_allclose(paper, 0.96, atol=2 * WHITE)
+
+
+def test_one_size_in_two_units_is_that_of_one_sheet(lamp: Colours) -> None:
+    kept = lamp.with_sheet(parse_size("LETTER"))
+    assert not kept.is_of_another(parse_size("8.5x11in"))
+    assert kept.is_of_another(parse_size("LETTER-landscape"))
+    assert not lamp.is_of_another(parse_size("A4")), "its size was not kept"
 
 
 def test_a_chart_makes_other_colours_right_too_and_says_how_right(studio: Studio, lamp: Colours) -> None:

@@ -159,6 +159,13 @@ def test_a_servo_takes_as_long_with_other_numbers(grbl: FakeGrbl, ebb: FakeEbb, 
     assert read_easel("ebb.json").pen == Pen(up=20000, down=15000, seconds=0.3), "the AxiDraw's own"
 
 
+def test_numbers_of_a_servo_that_the_machine_refuses_are_replaced(ebb: FakeEbb, terminal: int) -> None:
+    of_another = Easel(corner=(0, 0, 0), right=(1, 0, 0), down=(0, -1, 0), pen=Pen(up=30, down=90, seconds=0.4))
+    write_easel(of_another, "other.json")
+    assert on(ebb, terminal, "wq", "--easel", "other.json", "--servo", "20000,15000", *SIZE).code == 0
+    assert read_easel("easel.json").pen == Pen(up=20000, down=15000, seconds=0.4)
+
+
 def test_an_easel_that_cannot_be_written_loses_no_number_that_was_set(ebb: FakeEbb, terminal: int) -> None:
     ran = on(ebb, terminal, "+" + "w" + "1" + RIGHT + "q", *SIZE, "--out", "nowhere/easel.json")
     assert ran.code == 0

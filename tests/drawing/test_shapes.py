@@ -302,6 +302,7 @@ def box_of(drawing: Drawing) -> list[float]:
         ("translate: 10px 5px", [30, 35, 40, 10]),
         ("translate: 10%", [30, 30, 40, 10]),
         ("translate: 10 5", [20, 30, 40, 10]),
+        ("translate: 1E1 5px", [20, 30, 40, 10]),
         ("translate: none; rotate: none; scale: none", [20, 30, 40, 10]),
         ("transform: translate(-20px, -30px); scale: 1 2; translate: 3px", [3, 0, 40, 20]),
     ],

@@ -117,6 +117,12 @@ def test_selectors_of_a_drawing_in_use_are_passed_over_in_silence(read: Read, se
     assert note.startswith("a style sheet's rule for 'path:not(:hover)' is left out: ")
 
 
+@pytest.mark.parametrize("move", ["rotate: 9deg", "scale: 2", "translate: 1px", "transform: scale(2)"])
+def test_a_selector_that_is_not_understood_is_named_where_its_rule_only_moves(read: Read, move: str) -> None:
+    (note,) = read(f"<style>.a + path {{ {move} }}</style>{LINES}").notes
+    assert note.startswith("a style sheet's rule for '.a + path' is left out: ")
+
+
 def test_a_list_in_parentheses_is_part_of_its_selector(read: Read) -> None:
     drawing = read(f"<style>path:not(.x, :is(.y, .z), .a, .x), .b {{ display: none }}</style>{LINES}")
     assert points(drawing) == [[[0, 0], [9, 0]]]

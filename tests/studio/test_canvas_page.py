@@ -158,6 +158,17 @@ def test_on_an_upright_tablet_the_canvas_stays_in_view_above_its_tools(page: Cal
     assert tools["y"] > canvas["y"] + canvas["height"]
 
 
+def test_on_a_phone_that_lies_the_canvas_does_not_cover_its_tools(page: Callable[..., Page]) -> None:
+    tab, view = opened(page)
+    tab.set_viewport_size({"width": 844, "height": 390})
+    keys = tab.get_by_text("Keys", exact=True)
+    keys.scroll_into_view_if_needed()
+    tools, canvas = keys.bounding_box(), view.bounding_box()
+    assert tools is not None
+    assert canvas is not None
+    assert tools["y"] > canvas["y"] + canvas["height"]
+
+
 def test_what_an_arrow_key_has_moved_is_not_lost_to_what_is_done_next(
     studio: RunningStudio, page: Callable[..., Page]
 ) -> None:

@@ -4,7 +4,7 @@ import shutil
 from collections.abc import Callable
 from pathlib import Path
 
-from playwright.sync_api import Browser, Page, expect
+from playwright.sync_api import Browser, Page, Route, expect
 
 from tests.studio.conftest import RunningStudio, patient
 from tests.studio.test_plan_page import picture_to_bring
@@ -71,3 +71,25 @@ def test_recordings_that_are_brought_at_once_come_and_each_one_that_is_none_is_t
         expect(tab.get_by_role("article", name=each.stem, exact=True)).to_be_visible()
     for each in letters:
         expect(tab.get_by_role("alert").filter(has_text=each.name)).to_be_visible()
+
+
+def test_what_is_told_of_a_recording_stays_while_others_of_the_same_choice_still_come(
+    page: Callable[..., Page], tmp_path: Path
+) -> None:
+    lines, letter = tmp_path / "lines.svg", tmp_path / "letter.svg"
+    lines.write_text(_LINES)
+    letter.write_text("dear")
+    tab, late = page("/"), list[Route]()
+    tab.route("**/upload/*", lambda route: route.continue_() if late else late.append(route))
+    button = tab.get_by_role("button", name="Bring a recording")
+    with tab.expect_file_chooser() as chooser:
+        button.click()
+    chooser.value.set_files([lines, letter])
+    said = tab.get_by_role("alert").filter(has_text=letter.name)
+    expect(said).to_be_visible()
+    late[0].continue_()
+    expect(tab.get_by_role("article", name=lines.stem, exact=True)).to_be_visible()
+    expect(said).to_be_visible()
+    with tab.expect_file_chooser():
+        button.click()
+    expect(said).to_have_count(0)

@@ -49,7 +49,7 @@ def doubts(evidence: Evidence, found: Unknowns, errors: Mapping[str, Tensor], op
     if (px := 2 * widest * evidence.pixels_per_metre) < _FINEST_PX:
         said.append(
             f"the mark is {px:.2g} pixels wide in the photographs as they were fitted: its width, falloff and opacity "
-            "cannot be told apart; draw shorter strokes, and photograph them from nearer"
+            f"cannot be told apart; {_wider(px, evidence.reduced)}"
         )
     for axis, error in zip("xy", errors["scale"].tolist(), strict=True):
         if error == 0:
@@ -62,3 +62,11 @@ def doubts(evidence: Evidence, found: Unknowns, errors: Mapping[str, Tensor], op
             "the ink as it was seen; let some strokes cross"
         )
     return tuple(said)
+
+
+def _wider(px: float, reduced: int) -> str:
+    """Return what gives marks of so many pixels more of them, once their photographs were reduced."""
+    if reduced == 1:
+        return "photograph the strokes from nearer"
+    shorter = f"draw shorter strokes, whose photographs need not be reduced as these were, to 1/{reduced} of their size"
+    return shorter if reduced * px >= _FINEST_PX else f"{shorter}, and photograph them from nearer"

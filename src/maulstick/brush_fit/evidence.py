@@ -28,11 +28,15 @@ _MOST, _MOST_PER_STROKE = 9e6, 1e4  # pixel values in all windows, and in one; f
 
 @dataclass(frozen=True)
 class Evidence:
-    """Windows of strokes and their pixels per metre.  paths: commanded, n points each, (n, 3)."""
+    """Windows of strokes and their pixels per metre.  paths: commanded, n points each, (n, 3).
+
+    reduced: by how much their photographs were finer.
+    """
 
     windows: tuple[Window, ...]
     paths: tuple[Floats, ...]
     pixels_per_metre: float
+    reduced: int
 
     def __len__(self) -> int:
         return len(self.windows)
@@ -82,7 +86,7 @@ def read_evidence(
         )
     _check_alike(seen)
     paths = tuple(resample(window.path, POINTS) for window in seen)
-    return Evidence(tuple(seen), paths, pixels_per_metre / reduced), left_out
+    return Evidence(tuple(seen), paths, pixels_per_metre / reduced, reduced), left_out
 
 
 def _check_alike(windows: Sequence[Window]) -> None:

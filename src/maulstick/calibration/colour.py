@@ -33,6 +33,7 @@ _DAZZLED = 0.25  # share of a sheet with something on it that may be overexposed
 _DARKEST = 1e-3  # least light, so that no division or logarithm is of zero
 _BLACKEST = 0.02  # least light off paper, as in docs/paints.md: of one that is said to give none, all would be black
 _RING = 16  # samples along each side of a tag's white rim
+_SAME_SIZE = 1e-6  # metres: 8.5in is not quite 215.9mm in binary numbers
 _Row = tuple[float, float, float]
 _Share = Annotated[float, Field(ge=0, le=1)]
 _UNCHANGED: Final = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
@@ -64,6 +65,10 @@ class Colours(BaseModel):
     def with_sheet(self, sheet: tuple[float, float]) -> Self:
         """Return the colours with the size of their sheet, (width, height) in metres."""
         return self.model_copy(update={"sheet": sheet})
+
+    def is_of_another(self, sheet: tuple[float, float]) -> bool:
+        """Return whether the lamp is known to be that of a sheet of another size than (width, height), metres."""
+        return self.sheet is not None and not np.allclose(self.sheet, sheet, rtol=0, atol=_SAME_SIZE)
 
     def with_matrix(self, matrix: Floats) -> Self:
         """Return the colours with another matrix (3, 3)."""

@@ -111,9 +111,11 @@ def machine(
 
 def _with_servo(spec: str, place: Easel | None, pen: Pen) -> Easel:
     """Return the easel, or any, from which the machine takes its servo's numbers; the servo takes as long as before."""
-    robot = machines.machine(spec, place)
-    if isinstance(robot, HasServo) and robot.pen is not None:
-        pen = pen.model_copy(update={"seconds": robot.pen.seconds})
+    before = None if place is None else place.pen
+    if before is None and isinstance(robot := machines.machine(spec, place), HasServo):
+        before = robot.pen
+    if before is not None:
+        pen = pen.model_copy(update={"seconds": before.seconds})
     return (place or Easel(corner=(0, 0, 0), right=(1, 0, 0), down=(0, -1, 0))).model_copy(update={"pen": pen})
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import NamedTuple, Self
 from xml.etree.ElementTree import Element
 
-from maulstick.drawing.css import READ, Style, inherited
+from maulstick.drawing.css import MOVES, READ, Style, inherited
 from maulstick.recording.files.markup import local_name
 
 _COMMENT = re.compile(r"/\*.*?\*/|<!--|-->", re.DOTALL)
@@ -21,6 +21,7 @@ _IN_USE = re.compile(r"::|:(?:hover|focus|active|visited|target|before|after)\b"
 _IMPORTANT = re.compile(r"!\s*important", re.IGNORECASE)
 _NAME = re.compile(r"[.#]?[\w-]+")
 _TAG = re.compile(r"(?<![.#\w-])[\w-]+")
+_KNOWN = MOVES | {*READ}
 _OF_WORDS = frozenset({"clip-rule", "display", "fill-rule", "overflow", "transform-box", "visibility"})  # of any case
 
 
@@ -125,7 +126,7 @@ class StyleSheet:
                 weight = text.count("#"), text.count("."), len(_TAG.findall(text)), self._count
                 self._rules[selector.key].append(_Rule(weight, selector, declared))
                 self._count += 1
-            elif self.unread is None and _is_at_rest(text) and any(each.keys() & {*READ} for each in declared):
+            elif self.unread is None and _is_at_rest(text) and any(each.keys() & _KNOWN for each in declared):
                 self.unread = text
 
     def _survey(self, root: Element) -> None:

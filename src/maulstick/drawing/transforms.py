@@ -60,7 +60,7 @@ def _turned(text: str) -> Matrix:
 
 def _shifted(text: str, width: float, height: float) -> Matrix:
     """Return the matrix of a property such as ``10px`` or ``10% 5mm``."""
-    words = text.split()
+    words = text.lower().split()
     if not 1 <= len(words) <= 3 or any(_NO_LENGTH.fullmatch(word) and float(word) for word in words):
         return Matrix()
     x, y = (pixels(word, whole) for word, whole in zip([*words, "0"][:2], (width, height), strict=True))

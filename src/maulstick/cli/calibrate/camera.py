@@ -72,7 +72,7 @@ def camera(
     if colours is not None:
         known = read_colours(colours)
         flat = known.correct(flat, whites_of(picture, view, frame))
-        if known.sheet not in (None, sheet):
+        if known.is_of_another(sheet):
             note = f"the lamp in {colours} is that of a sheet of another size; measure it on this one"
             Console(stderr=True, markup=False, highlight=False).print(f"note: {note}", soft_wrap=True)
     atomic_write(path, encode_png(flat))

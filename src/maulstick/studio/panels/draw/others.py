@@ -27,6 +27,7 @@ class OtherHands:
             html.h2("Other hands")
             with ui.element().classes("line"):
                 self._bring = upload_button("Bring a recording", _ENDINGS, self._take_in, several=True)
+                self._bring.on("click", self._forget_trouble, [])  # not later: files of one choice come one by one
                 self._pen = (
                     ui.number("Length of its pen, mm", min=0, max=2000)
                     .props("outlined dense clearable")
@@ -86,12 +87,13 @@ class OtherHands:
         trashed = await self._drawing.throw_away(name)
         offer_undo(self._client, f"{title} is in the trash.", lambda: self._drawing.hands.take_back(trashed))
 
+    def _forget_trouble(self) -> None:
+        self._trouble.set_text("")
+
     async def _take_in(self, upload: events.UploadEventArguments) -> None:
         called = Path(upload.file.name).name
-        if not self._taken_in:
-            self._trouble.set_text("")
-            self._bring.props("loading")
         self._taken_in += 1
+        self._bring.props("loading")
         try:
             async with incoming(self._studio.folder, upload) as file:
                 name = await self._drawing.hands.take_in(file, called, self._pen.value)
