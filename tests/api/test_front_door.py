@@ -491,7 +491,7 @@ def test_a_brush_is_fitted_to_trials_kept_on_request_and_says_what_it_cannot_tel
     said = [str(warning.message) for warning in told]
     assert [text for text in said if text.startswith("only 5 strokes could be used: ")]
     (left_out,) = (text for text in said if "left out" in text)
-    assert left_out.startswith("1 of 6 trials are left out: stroke 1: the photograph 0001.png is missing")
+    assert left_out.startswith("1 of 6 trials is left out: stroke 1: the photograph 0001.png is missing")
     assert (brush.name, ms.load_brush("twig")) == ("twig", brush)
     assert brush.widest > 0
     with pytest.raises(InputError, match="the brush marker comes with Maulstick; choose another name"):

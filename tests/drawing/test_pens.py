@@ -161,6 +161,8 @@ def test_names_of_layers_stay_as_they_are_however_often_a_drawing_is_exported_an
 ) -> None:
     painting = read(layer("1 bright ochre", path(1, "#d09a5a")) + layer("2", path(5, "#123456"))).painting
     assert [paint.name for paint in painting.paints] == ["bright ochre", "2"]
+    ochre, blue = painting.paints
+    painting = painting.model_copy(update={"paints": (ochre, blue.model_copy(update={"name": "my #123456 mix"}))})
     once = svg(painting)
     (tmp_path / "again.svg").write_text(once)
     assert svg(read_drawing(tmp_path / "again.svg", DrawingOptions(keep_order=True)).painting) == once

@@ -14,6 +14,7 @@ from maulstick.painting.brush import BRUSHES, Brush, write_brush
 from maulstick.painting.raster import Canvas, parse_size
 from maulstick.storage.arrays import kind_of
 from maulstick.storage.folders import MAKE_ROOM, made_folder
+from maulstick.storage.text import counted
 from maulstick.strokes import ink as records
 from maulstick.strokes.ink import Ink
 from maulstick.style import Style
@@ -111,7 +112,9 @@ def fit_brush(trials: str | Path, name: str = "own", *, keep: bool = False) -> B
         found = fit(drawn, drawn.pixels_per_metre, name, source=source, depth=drawn.depth)
         if keep:
             write_brush(found.brush, BRUSHES.own() / f"{name}.json")
-    left_out = [f"{len(found.left_out)} of {len(drawn)} trials are left out: {'; '.join(found.left_out[:_MOST_SAID])}"]
+    of_all = f"of {counted(len(drawn), 'trial')}"
+    how_many = counted(len(found.left_out), f"{of_all} is left out", f"{of_all} are left out")
+    left_out = [f"{how_many}: {'; '.join(found.left_out[:_MOST_SAID])}"]
     for warning in (*found.warnings, *(left_out if found.left_out else ())):
         warn(warning)
     return found.brush

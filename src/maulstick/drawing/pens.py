@@ -72,9 +72,8 @@ class Pen:
         """Name of the layer without what a painting's own layers have after theirs: the colour, and the brush."""
         if self.layer.name is None:
             return None
-        words = self.layer.name.split(" ")
-        own = hex_colour(self.colour)
-        return " ".join(words[: words.index(own)]) or None if own in words else self.layer.name
+        name, is_ours, _ = f" {self.layer.name} ".rpartition(f" {hex_colour(self.colour)} ")
+        return name.strip() or None if is_ours else self.layer.name
 
 
 def pens_of(shapes: Sequence[Shape], hatches: bool) -> list[Pen]:

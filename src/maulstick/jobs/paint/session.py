@@ -26,7 +26,8 @@ from maulstick.storage.text import counted
 def rehearse(request: PaintRequest) -> Estimate:
     """Return the estimate of a run without any motion; asks the machine for its limits.
 
-    Raises what `paint` would before anything moves, but where another process paints the same: it writes nothing.
+    Raises what `paint` would before anything moves. Of a run that does not go on it writes nothing, and so does not
+    see that another process paints the same.
     """
     if not request.resume:
         setup = PaintSetup.of(request.options, _plan_of(request), request.robot)

@@ -64,7 +64,8 @@ def drawing_of(
     if not strokes:
         raise InputError(
             f"no stroke was found: the tip comes down to {np.nanmin(heights) * 1e3:.2f} mm over the paper, with a "
-            f"threshold of {contact.threshold * 1e3:.2f} mm, {len(contact.dropped)} touches were too short and "
+            f"threshold of {contact.threshold * 1e3:.2f} mm, "
+            f"{counted(len(contact.dropped), 'touch was', 'touches were')} too short and "
             f"{len(contact.touches)} beside the canvas; set another threshold or a shorter touch"
         )
     summary = [
