@@ -21,7 +21,7 @@ from maulstick.painting.painting_file import read_painting, write_painting
 from maulstick.painting.raster import Canvas, flat_canvas, parse_size
 from maulstick.robot.easel import read_easel
 from maulstick.robot.journal import Journal, journal_of, was_begun
-from maulstick.robot.machines import SPECS, kind_of, machine
+from maulstick.robot.machines import SPECS, check_spec, kind_of, machine
 from maulstick.robot.plotter import only_lifts_pen
 from maulstick.robot.workplace import Workplace, home_of
 from maulstick.storage.folders import all_or_nothing
@@ -105,8 +105,10 @@ def brush(
     if options.simulated:
         if camera is not None:
             raise InputError("the simulated easel has a camera of its own; leave out --camera")
-    elif camera is None:
-        raise InputError("a camera over the sheet is needed; name it with --camera usb:0, or folder:PATH")
+    else:
+        check_spec(options.machine)
+        if camera is None:
+            raise InputError("a camera over the sheet is needed; name it with --camera usb:0, or folder:PATH")
     place = read_easel(easel) if easel is not None else None
     model = load_brush(like)
     if not options.simulated and model.pressure_matters and only_lifts_pen(machine(options.machine, place)):
