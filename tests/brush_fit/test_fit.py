@@ -209,14 +209,17 @@ def test_strokes_that_all_go_along_one_axis_tell_nothing_of_the_other_scale(monk
     assert "no stroke goes along y: m_y is not known and stays 1; draw some that do" in found.warnings
 
 
-def test_a_mark_that_is_thinner_than_a_pixel_is_doubted() -> None:
-    thin = MARKER.model_copy(update={"alpha": 0.0, "beta": 0.3 / SCALE})
+@pytest.mark.parametrize(("pixels", "is_told"), [(0.6, False), (1.5, False), (3.0, True)])
+def test_a_mark_whose_pixels_are_too_few_to_tell_its_numbers_is_doubted(pixels: float, is_told: bool) -> None:
+    thin = MARKER.model_copy(update={"alpha": 0.0, "beta": pixels / 2 / SCALE})
     found = fitted(draw_darkness(thin, 6, 1))
-    (said,) = (text for text in found.warnings if re.match(r"the mark is 0\.\d+ pixels wide in the photographs", text))
-    assert said.endswith("cannot be told apart; photograph the strokes from nearer")
+    said = [text for text in found.warnings if re.match(r"the mark is [\d.]+ pixels wide in the photographs", text)]
+    assert (abs(found.brush.falloff / MARKER.falloff - 1) < 0.1) is is_told
+    assert (said == []) is is_told
+    assert all(text.endswith("cannot be told apart; photograph the strokes from nearer") for text in said)
 
 
-@pytest.mark.parametrize(("pixels", "and_nearer"), [(0.6, ""), (0.3, ", and photograph them from nearer")])
+@pytest.mark.parametrize(("pixels", "and_nearer"), [(1.5, ""), (0.3, ", and photograph them from nearer")])
 def test_a_thin_mark_in_photographs_that_long_strokes_made_coarse_asks_for_shorter_ones(
     monkeypatch: pytest.MonkeyPatch, pixels: float, and_nearer: str
 ) -> None:
@@ -226,7 +229,7 @@ def test_a_thin_mark_in_photographs_that_long_strokes_made_coarse_asks_for_short
 
     monkeypatch.setattr(module, "read_evidence", read_reduced)
     thin = MARKER.model_copy(update={"alpha": 0.0, "beta": pixels / 2 / SCALE})
-    (said,) = (text for text in fitted(draw_darkness(thin, 6, 1)).warnings if text.startswith("the mark is 0."))
+    (said,) = (text for text in fitted(draw_darkness(thin, 6, 1)).warnings if text.startswith("the mark is "))
     shorter = "; draw shorter strokes, whose photographs need not be reduced as these were, to 1/2 of their size"
     assert said.endswith(f"{shorter}{and_nearer}")
 
