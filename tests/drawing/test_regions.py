@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 import shapely
-from hypothesis import assume, given, settings
+from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 from maulstick.drawing.lines import cut, lengths
@@ -47,6 +47,7 @@ def test_what_is_cut_out_of_a_line_is_all_that_lies_in_the_region(
 
 @settings(max_examples=60, deadline=None)
 @given(rings, st.sampled_from(["nonzero", "evenodd"]), st.floats(-4, 4), st.floats(0.3, 3))
+@example([[(0, 0), (0, 1), (1, 0)]], "nonzero", 0.0, 1.6)
 def test_rows_are_what_of_parallel_lines_lies_in_the_region(
     corners: list[list[tuple[int, int]]], rule: str, angle: float, spacing: float
 ) -> None:
@@ -54,7 +55,7 @@ def test_rows_are_what_of_parallel_lines_lies_in_the_region(
     along, across = np.array([np.cos(angle), np.sin(angle)]), np.array([-np.sin(angle), np.cos(angle)])
     corner_rows = np.concatenate([np.array(ring, dtype=np.float64) for ring in corners]) @ across / spacing - 0.5
     assume(np.abs(corner_rows - np.round(corner_rows)).min() > 1e-6)  # a row along an edge is in the region or not
-    numbers = np.arange(-60 / spacing, 60 / spacing).round()
+    numbers = np.arange(-np.ceil(60 / spacing), np.ceil(60 / spacing))
     offsets = (spacing * (numbers + 0.5))[:, None, None] * across
     lines = shapely.linestrings(np.array([[-60.0], [60.0]]) * along + offsets)
     rows = rows_through(region, spacing, angle)
