@@ -33,6 +33,10 @@ def test_a_region_has_the_places_that_its_rule_says(corners: list[list[tuple[int
 
 @settings(max_examples=60, deadline=None)
 @given(st.lists(places, min_size=2, max_size=12), rings)
+@example(
+    [(12, 2), (20, 9)],
+    [[(1, 2), (13, 1), (11, 7), (0, 2), (1, 1), (0, 0), (1, 0)], [(0, 2), (0, 4), (1, 0), (0, 3), (12, 2), (20, 9)]],
+)
 def test_what_is_cut_out_of_a_line_is_all_that_lies_in_the_region(
     line: list[tuple[int, int]], corners: list[list[tuple[int, int]]]
 ) -> None:
@@ -40,7 +44,8 @@ def test_what_is_cut_out_of_a_line_is_all_that_lies_in_the_region(
     path = np.array(line, dtype=np.float64)
     (pieces,) = cut([path], region)
     steps = shapely.linestrings(np.stack([path[:-1], path[1:]], axis=1))
-    assert lengths(pieces).sum() == pytest.approx(shapely.length(shapely.intersection(steps, region)).sum(), abs=1e-6)
+    inside = shapely.intersection(steps, shapely.buffer(region, 1e-10))  # where an edge has a corner, rounding parts it
+    assert lengths(pieces).sum() == pytest.approx(shapely.length(inside).sum(), abs=1e-6)
     grown = shapely.buffer(region, 1e-6)
     assert all(shapely.covers(grown, shapely.MultiPoint(piece)) for piece in pieces)
 

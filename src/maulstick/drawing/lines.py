@@ -5,6 +5,7 @@ from typing import Final
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 from shapely.geometry.base import BaseGeometry
 
 from maulstick.drawing.document import NO_PLACE
@@ -88,15 +89,16 @@ def cut(lines: Sequence[Floats], region: BaseGeometry) -> list[list[Floats]]:
     """
     shapely.prepare(region)
     pieces: list[list[Floats]] = []
-    parts = shapely.get_parts(region)
+    parts, corners = shapely.get_parts(region), shapely.STRtree(shapely.points(shapely.get_coordinates(region)))
     tree = shapely.STRtree(parts) if region.geom_type == "MultiPolygon" else None
     for line, inside in zip(lines, _inside(lines, region), strict=True):
         if inside is not None:
             pieces.append([line] if inside else [])
         elif tree is None:
-            pieces.append(_pieces(line, region))
+            pieces.append(_pieces(line, region, corners))
         else:  # of many parts few are near
-            pieces.append(_pieces(line, shapely.multipolygons(parts[tree.query(shapely.LineString(line))])))
+            near = shapely.multipolygons(parts[tree.query(shapely.LineString(line))])
+            pieces.append(_pieces(line, near, corners))
     return pieces
 
 
@@ -115,11 +117,11 @@ def _inside(lines: Sequence[Floats], region: BaseGeometry) -> list[bool | None]:
     return [True if all_of else (None if any_of else False) for all_of, any_of in zip(covered, touched, strict=True)]
 
 
-def _pieces(line: Floats, region: BaseGeometry) -> list[Floats]:
+def _pieces(line: Floats, region: BaseGeometry, corners: shapely.STRtree) -> list[Floats]:
     starts, steps = line[:-1], np.diff(line, axis=0)
     moving = np.flatnonzero(np.hypot(*steps.T) > SAME)
     starts, steps = starts[moving], steps[moving]
-    found = shapely.intersection(shapely.linestrings(np.stack([starts, starts + steps], axis=1)), region)
+    found = shapely.intersection(_through(corners, np.stack([starts, starts + steps], axis=1)), region)
     parts, which = shapely.get_parts(found, return_index=True)
     kept = (shapely.get_type_id(parts) == shapely.GeometryType.LINESTRING) & ~shapely.is_empty(parts)
     parts, which = parts[kept], which[kept]
@@ -141,3 +143,14 @@ def _pieces(line: Floats, region: BaseGeometry) -> list[Floats]:
         pieces[-1].append(starts[step] + end * steps[step])
         last, left = step, end
     return [np.array(piece) for piece in pieces]
+
+
+def _through(corners: shapely.STRtree, steps: Floats) -> NDArray[np.object_]:
+    """Return steps (k, 2, 2) as lines with a point at each corner on them, or rounding puts edges out of a region."""
+    lines = np.atleast_1d(shapely.linestrings(steps))
+    step, corner = corners.query(lines, predicate="dwithin", distance=SAME)
+    with_corners, owner = np.unique(step, return_inverse=True)
+    if len(step):
+        on_them = shapely.multipoints(corners.geometries[corner], indices=owner)
+        lines[with_corners] = shapely.snap(lines[with_corners], on_them, SAME)
+    return lines
