@@ -112,12 +112,12 @@ inline void each_reaching(const Coverage& cover, int64_t count, int block, Visit
 
 inline Nearest nearest_of(const Coverage& cover, const Segment* segments, int64_t count, int block, Floats x,
                           Floats y) {
-  Nearest near = nothing_near();
+  Choice choice;
   each_reaching(cover, count, block, [&](int64_t k) {
-    const Nearest here = nearest_on(segments[k], foot_on(segments[k], x, y), int32_t(k));
-    near = chosen(nearer(here, near), here, near);
+    const Offer here = offer_of(segments[k], foot_on(segments[k], x, y), int32_t(k));
+    choice.take(here, here.touches);
   });
-  return near;
+  return choice.part;
 }
 
 // Pixels that lie on the plateau altogether.

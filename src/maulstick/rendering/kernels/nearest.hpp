@@ -20,15 +20,6 @@ inline Nearest nothing_near() { return {all(no_mark), all(0.0f), all(0.0f), all(
 
 inline Ints marks(const Nearest& near) { return near.squared < all(no_mark); }
 
-inline Nearest chosen(Ints mask, const Nearest& a, const Nearest& b) {
-  return {mask ? a.squared : b.squared, mask ? a.offset_x : b.offset_x, mask ? a.offset_y : b.offset_y,
-          mask ? a.thickness : b.thickness, mask ? a.owner : b.owner};
-}
-
-inline Ints nearer(const Nearest& a, const Nearest& b) {   // by distance / thickness
-  return a.squared * (b.thickness * b.thickness) < b.squared * (a.thickness * a.thickness);
-}
-
 inline Floats clamped(Floats x) { return smaller(larger(x, all(0.0f)), all(1.0f)); }
 
 struct Foot { Floats free, t, offset_x, offset_y; };   // t: `free` clamped to [0, 1]
@@ -40,12 +31,36 @@ inline Foot foot_on(const Segment& s, Floats x, Floats y) {
   return {free, t, dx - t * s.wx, dy - t * s.wy};
 }
 
-inline Nearest nearest_on(const Segment& s, const Foot& foot, int32_t k) {
+// What a segment k offers to LANES pixels.
+struct Offer {
+  Nearest part;
+  Floats thickness_squared;
+  Ints touches;                       // pixels that its mark reaches
+};
+
+inline Offer offer_of(const Segment& s, const Foot& foot, int32_t k) {
   const Floats thickness = s.thickness + foot.t * s.growth, reach = thickness + half_diagonal;
   const Floats squared = foot.offset_x * foot.offset_x + foot.offset_y * foot.offset_y;
-  const Ints touches = (thickness > all(thinnest)) & (squared < reach * reach);
-  return {touches ? squared : all(no_mark), foot.offset_x, foot.offset_y, touches ? thickness : all(1.0f), all(k)};
+  return {{squared, foot.offset_x, foot.offset_y, thickness, all(k)}, thickness * thickness,
+          (thickness > all(thinnest)) & (squared < reach * reach)};
 }
+
+// The nearest of all parts that were offered, by distance / thickness.
+struct Choice {
+  Nearest part = nothing_near();
+  Floats thickness_squared = all(1.0f);
+
+  // Takes the offer for those pixels of `wanted` to which it is nearer, and returns them.
+  Ints take(const Offer& offer, Ints wanted) {
+    const Nearest& its = offer.part;
+    const Ints takes = wanted & (its.squared * thickness_squared < part.squared * offer.thickness_squared);
+    part = {takes ? its.squared : part.squared, takes ? its.offset_x : part.offset_x,
+            takes ? its.offset_y : part.offset_y, takes ? its.thickness : part.thickness,
+            takes ? its.owner : part.owner};
+    thickness_squared = takes ? offer.thickness_squared : thickness_squared;
+    return takes;
+  }
+};
 
 // Calls visit(k, lanes) for each segment k that owns some of these lanes.
 template <class Visit>
@@ -80,7 +95,7 @@ class SecondSearch {
   SecondSearch(const Nearest& near, Ints tight, const Segment* segments, const Shape* shapes, Floats x, Floats y)
       : segments_(segments), shapes_(shapes), x_(x), y_(y), ratio_(root(near.squared) / near.thickness),
         half_pixel_(0.5f / near.thickness), tight_(tight), turned_{}, least_(1e30f), most_(-1e30f),
-        second_{nothing_near(), {}} {
+        turn_{} {
     each_owner(near.owner, tight, [&](int32_t k, Ints mine) {
       const Turned here = turned_at(shapes[k], foot_on(segments[k], x, y).free);
       turned_ = {mine ? here.from : turned_.from, mine ? here.to : turned_.to};
@@ -92,16 +107,15 @@ class SecondSearch {
     const Shape& p = shapes_[k];
     if (!(p.turned_after - least_ > sharp_turn || most_ - p.turned_before > sharp_turn)) return;
     const Foot foot = foot_on(segments_[k], x_, y_);
-    const Nearest here = nearest_on(segments_[k], foot, k);
+    const Offer here = offer_of(segments_[k], foot, k);
     const Turned turned = turned_at(p, foot.free);
     const Floats turn = larger(turned.from - turned_.to, turned_.from - turned.to);
-    const Floats reach = (ratio_ + half_pixel_ * smaller(turn, all(2.0f))) * here.thickness;
-    const Ints meets = tight_ & (turn > all(sharp_turn)) & (here.squared < reach * reach);   // within the pixel
-    const Ints takes = meets & nearer(here, second_.part);
-    second_ = {chosen(takes, here, second_.part), takes ? turn : second_.turn};
+    const Floats reach = (ratio_ + half_pixel_ * smaller(turn, all(2.0f))) * here.part.thickness;
+    const Ints meets = here.touches & tight_ & (turn > all(sharp_turn)) & (here.part.squared < reach * reach);
+    turn_ = choice_.take(here, meets) ? turn : turn_;
   }
 
-  const Second& found() const { return second_; }
+  Second found() const { return {choice_.part, turn_}; }
 
  private:
   const Segment* segments_;
@@ -110,7 +124,8 @@ class SecondSearch {
   Ints tight_;
   Turned turned_;                     // at the nearest points
   float least_, most_;                // turned, around the segments that own them
-  Second second_;
+  Choice choice_;                     // among parts that meet the nearest one within the pixel
+  Floats turn_;
 };
 
 // Pixels in which another part may be as near.
