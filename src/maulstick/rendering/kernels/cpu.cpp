@@ -63,8 +63,8 @@ Strokes strokes_of(const Segments& segments, Array<const float, 3> xy, int64_t c
                    const float* colours, Array<const float, 1> c, Array<const float, 1> q, Array<const float, 1> o,
                    const uint8_t* trainable, bool shapes) {
   const int64_t points = xy.shape(1);
-  return {int64_t(xy.shape(0)), points, std::max<int64_t>(points - 1, 1), channels, segments.segment.data(),
-          segments.shape.data(), colours, c.data(), q.data(), o.data(), trainable, shapes};
+  return {int64_t(xy.shape(0)), points, std::max<int64_t>(points - 1, 1), channels, segments.segment.get(),
+          segments.shape.get(), colours, c.data(), q.data(), o.data(), trainable, shapes};
 }
 
 constexpr int64_t piece_bytes = 1 << 20;
@@ -127,9 +127,9 @@ void composite(const std::string& instructions, int64_t threads, Array<const flo
   nb::gil_scoped_release release;
   const Kernel& kernel = kernel_for(instructions);
   const int64_t height = canvas.shape(1), width = canvas.shape(2);
-  const Segments segments(kernel, xy.data(), thickness.data(), xy.shape(0), xy.shape(1));
+  const Segments segments(kernel, xy.data(), thickness.data(), xy.shape(0), xy.shape(1), threads);
   const Strokes s = strokes_of(segments, xy, canvas.shape(0), colours.data(), c, q, o, nullptr, false);
-  const Bands bands(s, height, width);
+  const Bands bands(s, height, width, threads);
   each_tile(kernel, s, bands, height, width, threads_for(bands.count(), threads), false, [&](const Visit& at) {
     kernel.composite(s, at.strokes.ids.data(), at.strokes.ids.size(), at.tile, height, width, canvas.data(),
                      out.data(), nullptr, at.scratch);
@@ -146,9 +146,9 @@ std::unique_ptr<Traces> composite_traced(const std::string& instructions, int64_
   nb::gil_scoped_release release;
   const Kernel& kernel = kernel_for(instructions);
   const int64_t height = canvas.shape(1), width = canvas.shape(2);
-  Segments segments(kernel, xy.data(), thickness.data(), xy.shape(0), xy.shape(1));
+  Segments segments(kernel, xy.data(), thickness.data(), xy.shape(0), xy.shape(1), threads);
   const Strokes s = strokes_of(segments, xy, canvas.shape(0), colours.data(), c, q, o, trainable.data(), shapes);
-  Bands bands(s, height, width);
+  Bands bands(s, height, width, threads);
   std::atomic<int64_t> left{most_pieces};
   std::vector<Pieces> pieces;
   const int64_t used = threads_for(bands.count(), threads);
@@ -177,18 +177,23 @@ void composite_backward(const std::string& instructions, int64_t threads, Array<
   const Strokes s =
       strokes_of(traces.segments, xy, canvas.shape(0), colours.data(), c, q, o, trainable.data(), shapes);
   const int64_t size = gradient_size(s);
-  std::vector<float> partial(bands.slot.back() * size);
+  const std::unique_ptr<float[]> partial(new float[bands.slot.back() * size]);
   each_tile(kernel, s, bands, height, width, threads_for(bands.count(), threads), true, [&](const Visit& at) {
+    if (at.tile.x == 0) {                    // the band's first
+      const int64_t band = at.tile.y / tile_height;
+      for (int64_t n = bands.begin[band]; n < bands.begin[band + 1]; ++n)
+        std::fill_n(partial.get() + bands.record[n], size, 0.0f);
+    }
     kernel.composite_backward(s, at.strokes.ids.data(), at.strokes.ids.size(), at.tile, height, width, canvas.data(),
-                              grad_out.data(), grad_canvas.size() ? grad_canvas.data() : nullptr, partial.data(),
+                              grad_out.data(), grad_canvas.size() ? grad_canvas.data() : nullptr, partial.get(),
                               at.strokes.record.data(), traces.last[at.number], at.scratch);
   });
-  for (int64_t i = 0; i < s.count; ++i) {
+  each_stroke(s.count, threads, [&](int64_t i, int64_t) {
     float* total = gradients.data() + i * size;
     std::fill(total, total + size, 0.0f);
     for (int64_t n = bands.slot[i]; n < bands.slot[i + 1]; ++n)
       for (int64_t k = 0; k < size; ++k) total[k] += partial[n * size + k];
-  }
+  });
 }
 
 // Calls visit(stroke, tile, scratch) for each stroke and each tile of its own image, one stroke per thread.
@@ -210,7 +215,7 @@ void darkness(const std::string& instructions, int64_t threads, Array<const floa
   nb::gil_scoped_release release;
   const Kernel& kernel = kernel_for(instructions);
   const int64_t height = out.shape(1), width = out.shape(2);
-  const Segments segments(kernel, xy.data(), thickness.data(), xy.shape(0), xy.shape(1));
+  const Segments segments(kernel, xy.data(), thickness.data(), xy.shape(0), xy.shape(1), threads);
   const Strokes s = strokes_of(segments, xy, 0, nullptr, c, q, o, nullptr, true);
   std::fill(out.data(), out.data() + out.size(), 0.0f);
   each_image(kernel, s, height, width, threads, [&](int64_t i, Tile tile, char* scratch) {
@@ -224,7 +229,7 @@ void darkness_backward(const std::string& instructions, int64_t threads, Array<c
   nb::gil_scoped_release release;
   const Kernel& kernel = kernel_for(instructions);
   const int64_t height = grad_out.shape(1), width = grad_out.shape(2);
-  const Segments segments(kernel, xy.data(), thickness.data(), xy.shape(0), xy.shape(1));
+  const Segments segments(kernel, xy.data(), thickness.data(), xy.shape(0), xy.shape(1), threads);
   const Strokes s = strokes_of(segments, xy, 0, nullptr, c, q, o, nullptr, true);
   std::fill(gradients.data(), gradients.data() + gradients.size(), 0.0f);
   each_image(kernel, s, height, width, threads, [&](int64_t i, Tile tile, char* scratch) {

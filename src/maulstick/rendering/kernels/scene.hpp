@@ -33,17 +33,29 @@ inline float bounded(float thickness) { return std::clamp(thickness, -1e9f, 1e9f
 
 inline float faded(float turn, float least) { return std::clamp((turn - least) / turn_fade, 0.0f, 1.0f); }
 
-struct Segments {
-  std::vector<Segment> segment;              // (count, segments)
-  std::vector<Shape> shape;                  // (count, segments)
+constexpr int64_t strokes_at_once = 64;      // that a thread prepares
 
-  Segments(const Kernel& kernel, const float* xy, const float* thickness, int64_t count, int64_t points) {
+// Calls work(stroke, thread) for each of so many strokes.
+template <class Work>
+void each_stroke(int64_t count, int64_t threads, Work work) {
+  share_out((count + strokes_at_once - 1) / strokes_at_once, threads, [&](int64_t task, int64_t thread) {
+    const int64_t end = std::min((task + 1) * strokes_at_once, count);
+    for (int64_t i = task * strokes_at_once; i < end; ++i) work(i, thread);
+  });
+}
+
+struct Segments {
+  std::unique_ptr<Segment[]> segment;        // (count, segments)
+  std::unique_ptr<Shape[]> shape;            // (count, segments)
+
+  Segments(const Kernel& kernel, const float* xy, const float* thickness, int64_t count, int64_t points,
+           int64_t threads) {
     const int64_t each = std::max<int64_t>(points - 1, 1);
     if (each > most_segments)
       throw std::invalid_argument("a stroke has " + std::to_string(points) + " points; it may have 2,000,000");
-    segment.resize(count * each), shape.resize(count * each);
-    std::vector<float> places(kernel.places_floats(each));
-    for (int64_t i = 0; i < count; ++i) {
+    segment.reset(new Segment[count * each]), shape.reset(new Shape[count * each]);
+    std::vector<std::vector<float>> places(std::max<int64_t>(threads, 1), std::vector<float>(kernel.places_floats(each)));
+    each_stroke(count, threads, [&](int64_t i, int64_t thread) {
       for (int64_t k = 0; k < each; ++k) {
         const int64_t u = i * points + k, v = points > 1 ? u + 1 : u;
         Segment& s = segment[i * each + k];
@@ -55,9 +67,9 @@ struct Segments {
         s.thickness = at_u, s.growth = at_v - at_u;
         s.reach = widest > 0 ? widest + half_diagonal : 0;
       }
-      find_shape(segment.data() + i * each, shape.data() + i * each, each);
-      kernel.find_tight(segment.data() + i * each, shape.data() + i * each, each, places.data());
-    }
+      find_shape(&segment[i * each], &shape[i * each], each);
+      kernel.find_tight(&segment[i * each], &shape[i * each], each, places[thread].data());
+    });
   }
 
  private:
@@ -97,11 +109,11 @@ struct Bands {                               // bands of rows, and the strokes t
   std::vector<int32_t> ids;                  // strokes, band after band
   std::vector<int64_t> record;               // of each of these: where its gradients of this band begin
 
-  Bands(const Strokes& s, int64_t height, int64_t width) {
+  Bands(const Strokes& s, int64_t height, int64_t width, int64_t threads) {
     const int64_t bands = (height + tile_height - 1) / tile_height;
     left.assign(s.count, INFINITY), right.assign(s.count, -INFINITY);
     first.resize(s.count), last.resize(s.count), slot.resize(s.count + 1), begin.assign(bands + 1, 0);
-    for (int64_t i = 0; i < s.count; ++i) {
+    each_stroke(s.count, threads, [&](int64_t i, int64_t) {
       float top = INFINITY, bottom = -INFINITY;
       for (int64_t k = 0; k < s.segments; ++k) {
         const Segment& g = s.segment[i * s.segments + k];
@@ -114,6 +126,8 @@ struct Bands {                               // bands of rows, and the strokes t
       const bool seen = left[i] <= width && right[i] >= 0 && top <= height && bottom >= 0;
       first[i] = seen ? int32_t(std::max(top, 0.0f) / tile_height) : 0;
       last[i] = seen ? int32_t(std::min<int64_t>(int64_t(std::min(bottom, float(height)) / tile_height), bands - 1)) : -1;
+    });
+    for (int64_t i = 0; i < s.count; ++i) {
       slot[i + 1] = slot[i] + std::max(last[i] - first[i] + 1, 0);
       for (int32_t b = first[i]; b <= last[i]; ++b) ++begin[b + 1];
     }
