@@ -24,12 +24,14 @@ struct Room {
   Parts* parts;
   Floats* sums;
   EndSlope* ends;
-  float *shade, *canvas, *gradient, *checkpoints;
-  int32_t* starts;                    // of each chunk, its first stroke
+  float *shade, *canvas, *gradient, *beneath, *checkpoints;
+  const Trace** chunk;                // its traces, the last first; `beneath` is what their blocks cover of the canvas
+  int32_t* starts;                    // of each painting of `traces`, its first stroke
   char* traces;
 
   static int64_t aligned(int64_t bytes) { return (bytes + 63) / 64 * 64; }
   static int64_t image_floats(int64_t channels) { return tile_pixels * channels; }
+  static constexpr int64_t most_blocks = chunk_blocks + tile_blocks;
   static int64_t trace_bytes(int64_t channels) { return Trace::most_bytes(channels) + (4 << 20); }   // fits a cache
 
   // Calls take(bytes) for each part and returns the sum; the least likely to be used come last.
@@ -42,6 +44,7 @@ struct Room {
           4 * tile_blocks * runs_of(segments), int64_t(sizeof(Run)) * runs_of(segments),
           int64_t(sizeof(Floats)) * (6 * segments + channels), int64_t(sizeof(EndSlope)) * LANES * Trace::most_slopes,
           int64_t(4 * tile_pixels), 4 * image_floats(channels), 4 * image_floats(channels),
+          once * 4 * LANES * channels * most_blocks, once * int64_t(sizeof(Trace*)) * most_blocks,
           once * trace_bytes(channels), once * 4 * (strokes + 1), once * 4 * image_floats(channels) * strokes}) {
       take(bytes);
       total += aligned(bytes);
@@ -54,7 +57,7 @@ struct Room {
   }
 
   Room(char* bytes, int64_t segments, int64_t channels, int64_t strokes, bool traced) {
-    char *p = bytes + (64 - reinterpret_cast<uintptr_t>(bytes) % 64) % 64, *places[13];
+    char *p = bytes + (64 - reinterpret_cast<uintptr_t>(bytes) % 64) % 64, *places[15];
     int n = 0;
     each_part(segments, channels, strokes, traced, [&](int64_t size) { places[n++] = p; p += aligned(size); });
     n = 0;
@@ -62,7 +65,8 @@ struct Room {
       pointer = reinterpret_cast<std::remove_reference_t<decltype(pointer)>>(places[n++]);
     };
     place(cover), place(samples), place(parts), place(cover->reaching), place(cover->run), place(sums);
-    place(ends), place(shade), place(canvas), place(gradient), place(traces), place(starts), place(checkpoints);
+    place(ends), place(shade), place(canvas), place(gradient), place(beneath), place(chunk);
+    place(traces), place(starts), place(checkpoints);
     samples->count = parts->count = 0;
     std::memset(static_cast<void*>(sums), 0, sizeof(Floats) * (6 * segments + channels));
   }
@@ -109,15 +113,21 @@ struct Room {
         });
   }
 
-  // Lays a stroke of the darkness in `shade` onto a block of the canvas.
-  void lay(const Strokes& s, int64_t id, int block) {
-    const int at = block * LANES;
-    const Floats d = s.o[id] * load(shade + at);
+  // Lays a stroke of a darkness before its opacity onto a block of the canvas; covers(channel, floats) gets what was there.
+  template <class Covers>
+  void lay(const Strokes& s, int64_t id, int block, Floats darkness, Covers covers) {
+    const Floats d = s.o[id] * darkness;
     for (int64_t k = 0; k < s.channels; ++k) {
-      float* pixel = canvas + k * tile_pixels + at;
+      float* pixel = canvas + k * tile_pixels + block * LANES;
       const Floats beneath = load(pixel);
+      covers(k, beneath);
       store(pixel, beneath + d * (s.colours[id * s.channels + k] - beneath));
     }
+  }
+
+  // Lays it, of the darkness in `shade`.
+  void lay(const Strokes& s, int64_t id, int block) {
+    lay(s, id, block, load(shade + block * LANES), [](int64_t, Floats) {});
   }
 };
 

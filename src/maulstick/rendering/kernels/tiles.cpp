@@ -50,22 +50,20 @@ bool paint_and_trace(Room& room, const Strokes& s, int64_t id, int64_t k, Tile t
       slopes[trace->slopes++] = slope;
   });
   if (s.trainable && !s.trainable[id]) trace->slopes = ends = 0;
-  float* beneath = trace->first_beneath<S>();
+  float* darkness = trace->first_darkness<S>();
   int32_t blocks[tile_blocks];
   each_block(*room.cover, [&](int block) {
-    const int at = block * LANES;
-    store(beneath, load(room.shade + at));
-    for (int64_t j = 0; j < s.channels; ++j)
-      store(beneath + (1 + j) * LANES, load(room.canvas + j * tile_pixels + at));
+    if (trace->blocks == 0) std::memcpy(trace->canvas(), room.canvas, sizeof(float) * trace->canvas_floats);
+    store(darkness, load(room.shade + block * LANES));
+    darkness += LANES;
     room.lay(s, id, block);
-    beneath += beneath_floats(s.channels);
     blocks[trace->blocks++] = block;
   });
   if (trace->blocks == 0) return true;     // the next trace takes its place
   trace->ends = ends;
-  std::memcpy(trace->first_end<S>(s.channels), room.ends, sizeof(EndSlope) * ends);
-  std::memcpy(trace->first_block<S>(s.channels), blocks, sizeof(int32_t) * trace->blocks);
-  arena.at = trace->end<S>(s.channels);
+  std::memcpy(trace->first_end<S>(), room.ends, sizeof(EndSlope) * ends);
+  std::memcpy(trace->first_block<S>(), blocks, sizeof(int32_t) * trace->blocks);
+  arena.at = trace->end<S>();
   last = trace;
   return true;
 }
@@ -102,40 +100,72 @@ const void* composite(const Strokes& s, const int32_t* ids, int64_t count, Tile 
   return last;
 }
 
+// Finds the chunk that ends with a trace, and what its strokes cover; returns the number of its traces.
+template <int Slopes>
+int64_t find_chunk(Room& room, const Strokes& s, const int32_t* ids, const Trace* last) {
+  using S = typename SlopeOf<Slopes>::type;
+  int64_t count = 0;
+  do room.chunk[count++] = last;
+  while (last->canvas_floats == 0 && (last = last->before));
+  const Trace& first = *room.chunk[count - 1];
+  std::memcpy(room.canvas, first.canvas(), sizeof(float) * first.canvas_floats);
+  for (int64_t i = count - 1; i >= 0; --i) {
+    const Trace& trace = *room.chunk[i];
+    const float* darkness = trace.first_darkness<S>();
+    const int32_t* blocks = trace.first_block<S>();
+    float* beneath = room.beneath + trace.blocks_before * LANES * s.channels;
+    for (int32_t n = 0; n < trace.blocks; ++n, darkness += LANES, beneath += LANES * s.channels)
+      room.lay(s, ids[trace.stroke], blocks[n], load(darkness),
+               [&](int64_t k, Floats covered) { store(beneath + k * LANES, covered); });
+  }
+  return count;
+}
+
+// Goes back over a stroke. record: where its gradients are added, or null where it gets none.
+template <int Slopes>
+void step_back(Room& room, const Strokes& s, int64_t id, const Trace& trace, Tile tile, float* record) {
+  using S = typename SlopeOf<Slopes>::type;
+  StrokeGradient<Slopes> stroke(s, id, tile, room.sums, record);
+  const float* darkness_of = trace.first_darkness<S>();
+  const int32_t* blocks = trace.first_block<S>();
+  const float* beneath = room.beneath + trace.blocks_before * LANES * s.channels;
+  for (int32_t n = 0; n < trace.blocks; ++n, darkness_of += LANES, beneath += LANES * s.channels) {
+    const int at = blocks[n] * LANES;
+    const Floats value = load(darkness_of), darkness = s.o[id] * value;
+    Floats grad_darkness{};
+    for (int64_t j = 0; j < s.channels; ++j) {
+      float* pixel = room.gradient + j * tile_pixels + at;
+      const Floats grad = load(pixel);
+      if (record) {
+        grad_darkness += grad * (s.colours[id * s.channels + j] - load(beneath + j * LANES));
+        stroke.colour(j) += grad * darkness;
+      }
+      store(pixel, grad * (1.0f - darkness));
+    }
+    stroke.add_opacity(grad_darkness, value);
+    store(room.shade + at, grad_darkness);
+  }
+  if (!record) return;
+  const S* slopes = trace.first_slope<S>();
+  for (int32_t n = 0; n < trace.slopes; ++n) stroke.add(slopes[n], room.shade);
+  const EndSlope* ends = trace.first_end<S>();
+  for (int32_t n = 0; n < trace.ends; ++n) stroke.add(ends[n], room.shade);
+  stroke.finish();
+}
+
 template <int Slopes>
 void walk_back(Room& room, const Strokes& s, const int32_t* ids, const Trace* last, Tile tile, float* gradients,
                const int64_t* record_of) {
-  using S = typename SlopeOf<Slopes>::type;
-  for (; last; last = last->before) {
-    const Trace& trace = *last;
-    const int64_t id = ids[trace.stroke];
-    const bool trainable = !s.trainable || s.trainable[id];
-    StrokeGradient<Slopes> stroke(s, id, tile, room.sums, trainable ? gradients + record_of[trace.stroke] : nullptr);
-    if (trace.before) prefetch(trace.before, &trace);
-    const float* beneath = trace.first_beneath<S>();
-    const int32_t* blocks = trace.first_block<S>(s.channels);
-    for (int32_t n = 0; n < trace.blocks; ++n, beneath += beneath_floats(s.channels)) {
-      const int at = blocks[n] * LANES;
-      const Floats value = load(beneath), darkness = s.o[id] * value;
-      Floats grad_darkness{};
-      for (int64_t j = 0; j < s.channels; ++j) {
-        float* pixel = room.gradient + j * tile_pixels + at;
-        const Floats grad = load(pixel);
-        if (trainable) {
-          grad_darkness += grad * (s.colours[id * s.channels + j] - load(beneath + (1 + j) * LANES));
-          stroke.colour(j) += grad * darkness;
-        }
-        store(pixel, grad * (1.0f - darkness));
-      }
-      stroke.add_opacity(grad_darkness, value);
-      store(room.shade + at, grad_darkness);
+  while (last) {
+    const int64_t count = find_chunk<Slopes>(room, s, ids, last);
+    for (int64_t i = 0; i < count; ++i) {
+      const Trace& trace = *room.chunk[i];
+      if (i + 1 < count) prefetch(room.chunk[i + 1], &trace);
+      const int64_t id = ids[trace.stroke];
+      const bool trainable = !s.trainable || s.trainable[id];
+      step_back<Slopes>(room, s, id, trace, tile, trainable ? gradients + record_of[trace.stroke] : nullptr);
     }
-    if (!trainable) continue;
-    const S* slopes = trace.first_slope<S>();
-    for (int32_t n = 0; n < trace.slopes; ++n) stroke.add(slopes[n], room.shade);
-    const EndSlope* ends = trace.first_end<S>(s.channels);
-    for (int32_t n = 0; n < trace.ends; ++n) stroke.add(ends[n], room.shade);
-    stroke.finish();
+    last = room.chunk[count - 1]->before;
   }
 }
 

@@ -28,33 +28,33 @@ struct EndSlope {
   int32_t place;
 };
 
-// Of a block: its darkness before the opacity, and the canvas beneath in each channel.
-inline int64_t beneath_floats(int64_t channels) { return LANES * (1 + channels); }
+// Blocks of strokes of which what they cover of a canvas fits a cache: it is found again, chunk after chunk, on the way back.
+constexpr int32_t chunk_blocks = 2048;
 
-// One stroke; after it its slopes, beneath of its blocks, its ends, and the numbers of its blocks.
+// One stroke; after it the canvas beneath it, where it begins a chunk, its slopes, the darkness of its blocks before the
+// opacity, its ends, and the numbers of its blocks.
 struct alignas(64) Trace {
   const Trace* before;                // of the stroke that was painted before, if any
   int64_t stroke;                     // its place among the strokes of the tile
+  int32_t canvas_floats;              // of the canvas beneath; 0 within a chunk
   int32_t slopes, blocks, ends;
+  int32_t blocks_before;              // of the chunk
 
   static constexpr int64_t most_slopes = 5 * tile_blocks;      // pixels or four parts of each, and padding
 
   static int64_t most_bytes(int64_t channels) {
     return sizeof(Trace) + most_slopes * (sizeof(ShapeSlope) + LANES * sizeof(EndSlope)) +
-           tile_blocks * sizeof(float) * (beneath_floats(channels) + 1) + 64;
+           tile_pixels * sizeof(float) * (channels + 1) + tile_blocks * sizeof(int32_t) + 64;
   }
 
-  template <class S> S* first_slope() const { return reinterpret_cast<S*>(const_cast<Trace*>(this) + 1); }
-  template <class S> float* first_beneath() const { return reinterpret_cast<float*>(first_slope<S>() + slopes); }
-  template <class S> EndSlope* first_end(int64_t channels) const {
-    return reinterpret_cast<EndSlope*>(first_beneath<S>() + blocks * beneath_floats(channels));
+  float* canvas() const { return reinterpret_cast<float*>(const_cast<Trace*>(this) + 1); }
+  template <class S> S* first_slope() const { return reinterpret_cast<S*>(canvas() + canvas_floats); }
+  template <class S> float* first_darkness() const { return reinterpret_cast<float*>(first_slope<S>() + slopes); }
+  template <class S> EndSlope* first_end() const {
+    return reinterpret_cast<EndSlope*>(first_darkness<S>() + blocks * LANES);
   }
-  template <class S> int32_t* first_block(int64_t channels) const {
-    return reinterpret_cast<int32_t*>(first_end<S>(channels) + ends);
-  }
-  template <class S> char* end(int64_t channels) const {
-    return reinterpret_cast<char*>(first_block<S>(channels) + blocks);
-  }
+  template <class S> int32_t* first_block() const { return reinterpret_cast<int32_t*>(first_end<S>() + ends); }
+  template <class S> char* end() const { return reinterpret_cast<char*>(first_block<S>() + blocks); }
 };
 
 // Fetches the trace before another one, if they lie in one piece; the processor does not guess that it goes backwards.
@@ -69,7 +69,10 @@ inline Trace* new_trace(Arena& arena, const Trace* before, int64_t stroke, int64
   const int64_t most = Trace::most_bytes(channels);
   if (arena.end - arena.at < most && !(arena.more && arena.more(arena, most))) return nullptr;
   arena.at += (64 - reinterpret_cast<uintptr_t>(arena.at) % 64) % 64;
-  return new (arena.at) Trace{before, stroke, 0, 0, 0};
+  const int32_t blocks_before = before ? before->blocks_before + before->blocks : chunk_blocks;
+  const bool begins = blocks_before >= chunk_blocks;
+  const int32_t canvas_floats = begins ? int32_t(tile_pixels * channels) : 0;
+  return new (arena.at) Trace{before, stroke, canvas_floats, 0, 0, 0, begins ? 0 : blocks_before};
 }
 
 }  // namespace
