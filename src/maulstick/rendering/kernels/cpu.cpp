@@ -64,7 +64,7 @@ Strokes strokes_of(const Segments& segments, Array<const float, 3> xy, int64_t c
                    const uint8_t* trainable, bool shapes) {
   const int64_t points = xy.shape(1);
   return {int64_t(xy.shape(0)), points, std::max<int64_t>(points - 1, 1), channels, segments.segment.get(),
-          segments.shape.get(), colours, c.data(), q.data(), o.data(), trainable, shapes};
+          segments.shape.get(), segments.box.data(), colours, c.data(), q.data(), o.data(), trainable, shapes};
 }
 
 constexpr int64_t piece_bytes = 1 << 20;
@@ -129,7 +129,7 @@ void composite(const std::string& instructions, int64_t threads, Array<const flo
   const int64_t height = canvas.shape(1), width = canvas.shape(2);
   const Segments segments(kernel, xy.data(), thickness.data(), xy.shape(0), xy.shape(1), threads);
   const Strokes s = strokes_of(segments, xy, canvas.shape(0), colours.data(), c, q, o, nullptr, false);
-  const Bands bands(s, height, width, threads);
+  const Bands bands(s, height, width);
   each_tile(kernel, s, bands, height, width, threads_for(bands.count(), threads), false, [&](const Visit& at) {
     kernel.composite(s, at.strokes.ids.data(), at.strokes.ids.size(), at.tile, height, width, canvas.data(),
                      out.data(), nullptr, at.scratch);
@@ -148,7 +148,7 @@ std::unique_ptr<Traces> composite_traced(const std::string& instructions, int64_
   const int64_t height = canvas.shape(1), width = canvas.shape(2);
   Segments segments(kernel, xy.data(), thickness.data(), xy.shape(0), xy.shape(1), threads);
   const Strokes s = strokes_of(segments, xy, canvas.shape(0), colours.data(), c, q, o, trainable.data(), shapes);
-  Bands bands(s, height, width, threads);
+  Bands bands(s, height, width);
   std::atomic<int64_t> left{most_pieces};
   std::vector<Pieces> pieces;
   const int64_t used = threads_for(bands.count(), threads);
@@ -188,7 +188,7 @@ void composite_backward(const std::string& instructions, int64_t threads, Array<
                               grad_out.data(), grad_canvas.size() ? grad_canvas.data() : nullptr, partial.get(),
                               at.strokes.record.data(), traces.last[at.number], at.scratch);
   });
-  each_stroke(s.count, threads, [&](int64_t i, int64_t) {
+  each_stroke(s.count, 1024, threads, [&](int64_t i, int64_t) {
     float* total = gradients.data() + i * size;
     std::fill(total, total + size, 0.0f);
     for (int64_t n = bands.slot[i]; n < bands.slot[i + 1]; ++n)

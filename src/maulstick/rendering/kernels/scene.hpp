@@ -33,29 +33,40 @@ inline float bounded(float thickness) { return std::clamp(thickness, -1e9f, 1e9f
 
 inline float faded(float turn, float least) { return std::clamp((turn - least) / turn_fade, 0.0f, 1.0f); }
 
-constexpr int64_t strokes_at_once = 64;      // that a thread prepares
-
-// Calls work(stroke, thread) for each of so many strokes.
+// Calls work(stroke, thread) for each of so many strokes, of which a thread takes `at_once`.
 template <class Work>
-void each_stroke(int64_t count, int64_t threads, Work work) {
-  share_out((count + strokes_at_once - 1) / strokes_at_once, threads, [&](int64_t task, int64_t thread) {
-    const int64_t end = std::min((task + 1) * strokes_at_once, count);
-    for (int64_t i = task * strokes_at_once; i < end; ++i) work(i, thread);
+void each_stroke(int64_t count, int64_t at_once, int64_t threads, Work work) {
+  share_out((count + at_once - 1) / at_once, threads, [&](int64_t task, int64_t thread) {
+    const int64_t end = std::min((task + 1) * at_once, count);
+    for (int64_t i = task * at_once; i < end; ++i) work(i, thread);
   });
 }
+
+struct Box {                                 // around the pixels that a stroke reaches; empty where right < left
+  float left = INFINITY, right = -INFINITY, top = INFINITY, bottom = -INFINITY;
+
+  void include(const Segment& g) {
+    if (!(g.reach > 0)) return;
+    left = std::min(left, std::min(g.ux, g.ux + g.wx) - g.reach);
+    right = std::max(right, std::max(g.ux, g.ux + g.wx) + g.reach);
+    top = std::min(top, std::min(g.uy, g.uy + g.wy) - g.reach);
+    bottom = std::max(bottom, std::max(g.uy, g.uy + g.wy) + g.reach);
+  }
+};
 
 struct Segments {
   std::unique_ptr<Segment[]> segment;        // (count, segments)
   std::unique_ptr<Shape[]> shape;            // (count, segments)
+  std::vector<Box> box;                      // (count,)
 
   Segments(const Kernel& kernel, const float* xy, const float* thickness, int64_t count, int64_t points,
            int64_t threads) {
     const int64_t each = std::max<int64_t>(points - 1, 1);
     if (each > most_segments)
       throw std::invalid_argument("a stroke has " + std::to_string(points) + " points; it may have 2,000,000");
-    segment.reset(new Segment[count * each]), shape.reset(new Shape[count * each]);
+    segment.reset(new Segment[count * each]), shape.reset(new Shape[count * each]), box.resize(count);
     std::vector<std::vector<float>> places(std::max<int64_t>(threads, 1), std::vector<float>(kernel.places_floats(each)));
-    each_stroke(count, threads, [&](int64_t i, int64_t thread) {
+    each_stroke(count, 64, threads, [&](int64_t i, int64_t thread) {
       for (int64_t k = 0; k < each; ++k) {
         const int64_t u = i * points + k, v = points > 1 ? u + 1 : u;
         Segment& s = segment[i * each + k];
@@ -66,6 +77,7 @@ struct Segments {
         const float at_u = bounded(thickness[u]), at_v = bounded(thickness[v]), widest = std::max(at_u, at_v);
         s.thickness = at_u, s.growth = at_v - at_u;
         s.reach = widest > 0 ? widest + half_diagonal : 0;
+        box[i].include(s);
       }
       find_shape(&segment[i * each], &shape[i * each], each);
       kernel.find_tight(&segment[i * each], &shape[i * each], each, places[thread].data());
@@ -102,32 +114,21 @@ struct Segments {
 };
 
 struct Bands {                               // bands of rows, and the strokes that cross each, in order
-  std::vector<float> left, right;            // of each stroke: the range of its columns
   std::vector<int32_t> first, last;          // of each stroke: the range of its bands; empty where last < first
   std::vector<int64_t> slot;                 // of each stroke: its first gradient record; one more at the end
   std::vector<int64_t> begin;                // of each band: its first entry in ids and record; one more at the end
   std::vector<int32_t> ids;                  // strokes, band after band
   std::vector<int64_t> record;               // of each of these: where its gradients of this band begin
 
-  Bands(const Strokes& s, int64_t height, int64_t width, int64_t threads) {
+  Bands(const Strokes& s, int64_t height, int64_t width) {
     const int64_t bands = (height + tile_height - 1) / tile_height;
-    left.assign(s.count, INFINITY), right.assign(s.count, -INFINITY);
     first.resize(s.count), last.resize(s.count), slot.resize(s.count + 1), begin.assign(bands + 1, 0);
-    each_stroke(s.count, threads, [&](int64_t i, int64_t) {
-      float top = INFINITY, bottom = -INFINITY;
-      for (int64_t k = 0; k < s.segments; ++k) {
-        const Segment& g = s.segment[i * s.segments + k];
-        if (!(g.reach > 0)) continue;
-        left[i] = std::min(left[i], std::min(g.ux, g.ux + g.wx) - g.reach);
-        right[i] = std::max(right[i], std::max(g.ux, g.ux + g.wx) + g.reach);
-        top = std::min(top, std::min(g.uy, g.uy + g.wy) - g.reach);
-        bottom = std::max(bottom, std::max(g.uy, g.uy + g.wy) + g.reach);
-      }
-      const bool seen = left[i] <= width && right[i] >= 0 && top <= height && bottom >= 0;
-      first[i] = seen ? int32_t(std::max(top, 0.0f) / tile_height) : 0;
-      last[i] = seen ? int32_t(std::min<int64_t>(int64_t(std::min(bottom, float(height)) / tile_height), bands - 1)) : -1;
-    });
     for (int64_t i = 0; i < s.count; ++i) {
+      const Box& box = s.box[i];
+      const bool seen = box.left <= width && box.right >= 0 && box.top <= height && box.bottom >= 0;
+      first[i] = seen ? int32_t(std::max(box.top, 0.0f) / tile_height) : 0;
+      last[i] = seen ? int32_t(std::min<int64_t>(int64_t(std::min(box.bottom, float(height)) / tile_height), bands - 1))
+                     : -1;
       slot[i + 1] = slot[i] + std::max(last[i] - first[i] + 1, 0);
       for (int32_t b = first[i]; b <= last[i]; ++b) ++begin[b + 1];
     }
@@ -158,7 +159,7 @@ struct TileStrokes {
     ids.clear(), record.clear();
     for (int64_t n = bands.begin[band]; n < bands.begin[band + 1]; ++n) {
       const int32_t id = bands.ids[n];
-      if (bands.left[id] > tile.x + tile.width || bands.right[id] < tile.x) continue;
+      if (s.box[id].left > tile.x + tile.width || s.box[id].right < tile.x) continue;
       const Segment* segment = s.segment + id * s.segments;
       bool near = false;
       for (int64_t k = 0; k < s.segments && !near; ++k) {

@@ -34,10 +34,13 @@ struct Shape {
   bool may_round;                            // whether pixels near it may lie around an end or a corner
 };
 
+struct Box;                       // around the pixels that a stroke reaches (scene.hpp)
+
 struct Strokes {
   int64_t count, points, segments, channels;
   const Segment* segment;         // (count, segments)
   const Shape* shape;             // (count, segments)
+  const Box* box;                 // (count,)
   const float* colours;           // (count, channels)
   const float *c, *q, *o;         // (count,): falloff, plateau, opacity
   const uint8_t* trainable;       // (count,), or null for all
