@@ -103,7 +103,7 @@ inline bool note_reached(uint32_t* reaching, uint32_t* touched, const Segment& s
       continue;
     }
     low = larger(low - x0 + 0.5f, 0.0f), high = smaller(high - x0, tile.width) - 0.5f;
-    if (!(high >= 0)) continue;
+    if (!(low < tile.width && high >= 0)) continue;
     const int first = int(low), last = int(high);
     if (first > last) continue;
     for (int column = first / block_width; column <= last / block_width; ++column)
@@ -113,14 +113,20 @@ inline bool note_reached(uint32_t* reaching, uint32_t* touched, const Segment& s
   return true;
 }
 
-// Calls visit(k) for the segments of all runs that may reach a block.
-template <class Visit>
-inline void each_reaching(const Coverage& cover, int64_t count, int block, Visit visit) {
+// Calls visit(k) for the segments that may reach a block; of them, for those of a run's bits.
+template <class Bits, class Visit>
+inline void each_reaching(const Coverage& cover, int64_t count, int block, Bits bits_of_run, Visit visit) {
   for (int64_t r = 0, runs = runs_of(count); r < runs; ++r) {
-    if (!cover.run[r].near) continue;
-    for (uint32_t bits = cover.reaching[r * tile_blocks + block]; bits; bits &= bits - 1)
+    const Run& run = cover.run[r];
+    if (!run.near) continue;
+    for (uint32_t bits = cover.reaching[r * tile_blocks + block] & bits_of_run(run); bits; bits &= bits - 1)
       visit(r * run_length + __builtin_ctz(bits));
   }
+}
+
+template <class Visit>
+inline void each_reaching(const Coverage& cover, int64_t count, int block, Visit visit) {
+  each_reaching(cover, count, block, [](const Run&) { return ~0u; }, visit);
 }
 
 inline Nearest nearest_of(const Coverage& cover, const Segment* segments, int64_t count, int block, Floats x,
@@ -168,13 +174,18 @@ inline void cover_block(Coverage& cover, const Strokes& strokes, int64_t id, Til
     const Second second = second_of(cover, near, segments, shapes, count, block, x, y, profile_of(strokes, id));
     cuts = cut(bent, near, second.part, second.turn);
   }
-  const bool odd = round && round_off(bent.rounded, bent.ends, near, segments, shapes, count, x, y);
+  const auto round_off_here = [&](Floats& rounded, Ints& ends, Nearest& its) {
+    return round && round_off(rounded, ends, its, segments, shapes, count, x, y, [&](auto visit) {
+             each_reaching(cover, count, block, [](const Run& run) { return run.round; }, visit);
+           });
+  };
+  const bool odd = round_off_here(bent.rounded, bent.ends, near);
   if (!cuts && !odd) return;
   cover.odd[block / blocks_across] |= 1u << block % blocks_across;
   if (!odd) bent.rounded = Floats{}, bent.ends = Ints{};
   if (!cuts)
     bent.share = bent.slant = Floats{};
-  else if (!(round && round_off(bent.second_rounded, bent.second_ends, bent.second, segments, shapes, count, x, y)))
+  else if (!round_off_here(bent.second_rounded, bent.second_ends, bent.second))
     bent.second_rounded = Floats{}, bent.second_ends = Ints{};
 }
 

@@ -94,7 +94,7 @@ class SecondSearch {
  public:
   SecondSearch(const Nearest& near, Ints tight, const Segment* segments, const Shape* shapes, Floats x, Floats y)
       : segments_(segments), shapes_(shapes), x_(x), y_(y), ratio_(root(near.squared) / near.thickness),
-        half_pixel_(0.5f / near.thickness), tight_(tight), turned_{}, least_(1e30f), most_(-1e30f),
+        half_pixel_(0.5f / near.thickness), furthest_(ratio_ + half_pixel_ * 2.001f), tight_(tight), turned_{}, least_(1e30f), most_(-1e30f),
         turn_{} {
     each_owner(near.owner, tight, [&](int32_t k, Ints mine) {
       const Turned here = turned_at(shapes[k], foot_on(segments[k], x, y).free);
@@ -108,10 +108,13 @@ class SecondSearch {
     if (!(p.turned_after - least_ > sharp_turn || most_ - p.turned_before > sharp_turn)) return;
     const Foot foot = foot_on(segments_[k], x_, y_);
     const Offer here = offer_of(segments_[k], foot, k);
+    const Floats most = furthest_ * here.part.thickness;
+    const Ints close = here.touches & tight_ & (here.part.squared < most * most);
+    if (!any(close)) return;
     const Turned turned = turned_at(p, foot.free);
     const Floats turn = larger(turned.from - turned_.to, turned_.from - turned.to);
     const Floats reach = (ratio_ + half_pixel_ * smaller(turn, all(2.0f))) * here.part.thickness;
-    const Ints meets = here.touches & tight_ & (turn > all(sharp_turn)) & (here.part.squared < reach * reach);
+    const Ints meets = close & (turn > all(sharp_turn)) & (here.part.squared < reach * reach);
     turn_ = choice_.take(here, meets) ? turn : turn_;
   }
 
@@ -121,6 +124,7 @@ class SecondSearch {
   const Segment* segments_;
   const Shape* shapes_;
   Floats x_, y_, ratio_, half_pixel_; // of the nearest: distance, and half a pixel, over thickness
+  Floats furthest_;                   // what else meets it is no further off, over thickness
   Ints tight_;
   Turned turned_;                     // at the nearest points
   float least_, most_;                // turned, around the segments that own them
@@ -169,13 +173,17 @@ inline bool cut(Bent& bent, const Nearest& near, const Nearest& second, Floats t
 inline Floats share_beyond(Floats pixels) { return clamped(0.5f - pixels); }
 
 // Finds the share of LANES pixels that lies around an end or a corner (nearest.py, _nearest_on), or bends the edge by
-// which they lie where that is further off; returns whether any pixel has such a share. count: number of the stroke's segments.
+// which they lie where that is further off; returns whether any pixel has such a share. count: number of the stroke's
+// segments. each_round: calls a function of k for each of them that may be round, if it reaches the pixels.
+template <class EachRound>
 inline bool round_off(Floats& rounded, Ints& ends, Nearest& near, const Segment* segments, const Shape* shapes,
-                      int64_t count, Floats x, Floats y) {
+                      int64_t count, Floats x, Floats y, EachRound each_round) {
   rounded = Floats{}, ends = Ints{};
-  each_owner(near.owner, marks(near), [&](int32_t k, Ints mine) {
+  const Ints marked = marks(near);
+  each_round([&](int64_t k) {
+    const Ints mine = marked & (near.owner == all(int32_t(k)));
+    if (!any(mine)) return;
     const Shape& p = shapes[k];
-    if (!p.may_round) return;
     const Segment& s = segments[k];
     const Floats since = (x - s.ux) * p.direction_x + (y - s.uy) * p.direction_y, until = p.length - since;
     const Floats start = share_beyond(k == 0 ? since : p.before + larger(since, all(0.0f)));
