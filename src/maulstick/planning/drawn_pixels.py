@@ -80,8 +80,8 @@ class _Squares(torch.autograd.Function):
     @staticmethod
     def forward(ctx: Any, drawn: Tensor, side: int, height: int, width: int) -> Tensor:
         ctx.side = side
-        rows = drawn.repeat_interleave(side, dim=2)[:, :, :width]
-        return rows.repeat_interleave(side, dim=1)[:, :height]
+        rows = torch.arange(height, device=drawn.device) // side
+        return drawn.repeat_interleave(side, dim=2)[:, :, :width].index_select(1, rows)
 
     @staticmethod
     def backward(ctx: Any, *slopes: Tensor) -> tuple[Tensor, None, None, None]:
