@@ -78,6 +78,18 @@ def test_any_stroke_alone_is_as_dark_as_the_reference_says(scene: Scene) -> None
 
 
 @each_fast_renderer
+@pytest.mark.parametrize("traces", [cpu.TRACES, 0])
+def test_strokes_over_a_tile_that_are_too_many_to_go_back_at_once_have_the_reference_gradients(
+    fast: Renderer, traces: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(cpu, "TRACES", traces)
+    scene = random_scene(2, strokes=150, points=3, height=16, width=60)
+    scene = scene._replace(thickness=3 * scene.thickness, opacity=scene.opacity / 20)  # wide, and all of them seen
+    truth = composite_with_gradients(REFERENCE, scene.to(torch.float64))
+    assert_same(composite_with_gradients(fast, scene), truth, **FLOAT32)
+
+
+@each_fast_renderer
 def test_a_falloff_below_one_has_the_reference_values_and_gradients(fast: Renderer) -> None:
     scene = random_scene(11)._replace(falloff=torch.tensor([0.7]))
     truth = composite_with_gradients(REFERENCE, scene.to(torch.float64))
