@@ -94,8 +94,8 @@ class SecondSearch {
  public:
   SecondSearch(const Nearest& near, Ints tight, const Segment* segments, const Shape* shapes, Floats x, Floats y)
       : segments_(segments), shapes_(shapes), x_(x), y_(y), ratio_(root(near.squared) / near.thickness),
-        half_pixel_(0.5f / near.thickness), furthest_(ratio_ + half_pixel_ * 2.001f), tight_(tight), turned_{}, least_(1e30f), most_(-1e30f),
-        turn_{} {
+        half_pixel_(0.5f / near.thickness), furthest_(ratio_ + half_pixel_ * 2.001f), tight_(tight),
+        turned_{}, least_(1e30f), most_(-1e30f), turn_{} {
     each_owner(near.owner, tight, [&](int32_t k, Ints mine) {
       const Turned here = turned_at(shapes[k], foot_on(segments[k], x, y).free);
       turned_ = {mine ? here.from : turned_.from, mine ? here.to : turned_.to};

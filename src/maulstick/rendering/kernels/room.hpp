@@ -113,7 +113,8 @@ struct Room {
         });
   }
 
-  // Lays a stroke of a darkness before its opacity onto a block of the canvas; covers(channel, floats) gets what was there.
+  // Lays a stroke of a darkness, that before its opacity, onto a block of the canvas; covers(channel, floats) gets what
+  // was there.
   template <class Covers>
   void lay(const Strokes& s, int64_t id, int block, Floats darkness, Covers covers) {
     const Floats d = s.o[id] * darkness;

@@ -28,7 +28,7 @@ struct EndSlope {
   int32_t place;
 };
 
-// Blocks of strokes of which what they cover of a canvas fits a cache: it is found again, chunk after chunk, on the way back.
+// Strokes that cover so many blocks are a chunk: what they cover fits a cache, and is found again on the way back.
 constexpr int32_t chunk_blocks = 2048;
 
 // One stroke; after it the canvas beneath it, where it begins a chunk, its slopes, the darkness of its blocks before the
