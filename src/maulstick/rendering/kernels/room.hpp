@@ -25,7 +25,7 @@ struct Room {
   Floats* sums;
   EndSlope* ends;
   float *shade, *canvas, *gradient, *beneath, *checkpoints;
-  const Trace** chunk;                // its traces, the last first; `beneath` is what their blocks cover of the canvas
+  const Trace** chunk;                // its traces; `beneath` is what their blocks cover of the canvas
   int32_t* starts;                    // of each painting of `traces`, its first stroke
   char* traces;
 
@@ -73,11 +73,16 @@ struct Room {
 
   Arena arena(int64_t channels) { return {traces, traces + trace_bytes(channels), nullptr}; }
 
-  // Finds the darkness of a stroke before its opacity, into `shade`; keep(slope) gets what the way back needs.
-  template <int Slopes, class Keep>
-  void shade_stroke(const Strokes& s, int64_t id, Tile tile, Keep keep) {
-    const Profile profile = profile_of(s, id);
+  // Finds the darkness of a stroke before its opacity, into `shade`.
+  void shade_stroke(const Strokes& s, int64_t id, Tile tile) {
     cover_stroke(*cover, s, id, tile);
+    shade_covered<0>(s, id, [](const auto&) {});
+  }
+
+  // Finds that of a stroke whose coverage is known; keep(slope) gets what the way back needs.
+  template <int Slopes, class Keep>
+  void shade_covered(const Strokes& s, int64_t id, Keep keep) {
+    const Profile profile = profile_of(s, id);
     each_block(*cover, [&](int block) {
       store(shade + block * LANES, on_plateau(cover->near[block], profile) ? all(1.0f) : all(0.0f));
     });

@@ -66,7 +66,7 @@ struct Segments {
       throw std::invalid_argument("a stroke has " + std::to_string(points) + " points; it may have 2,000,000");
     segment.reset(new Segment[count * each]), shape.reset(new Shape[count * each]), box.resize(count);
     std::vector<std::vector<float>> places(std::max<int64_t>(threads, 1), std::vector<float>(kernel.places_floats(each)));
-    each_stroke(count, 64, threads, [&](int64_t i, int64_t thread) {
+    each_stroke(count, 512, threads, [&](int64_t i, int64_t thread) {
       for (int64_t k = 0; k < each; ++k) {
         const int64_t u = i * points + k, v = points > 1 ? u + 1 : u;
         Segment& s = segment[i * each + k];

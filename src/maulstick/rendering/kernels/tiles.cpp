@@ -37,33 +37,32 @@ void copy_out(const float* tile_image, float* image, Tile tile, int64_t channels
 // Paints a stroke, and notes its trace; returns false, with nothing done, if the arena has no room for it.
 // last: the trace of the stroke before, then of this one. k: its place among the strokes of the tile.
 template <int Slopes>
-bool paint_and_trace(Room& room, const Strokes& s, int64_t id, int64_t k, Tile tile, Arena& arena, const Trace*& last) {
+bool paint_and_trace(Room& room, const Strokes& s, int64_t id, int64_t k, Tile tile, Arena& arena, Trace*& last) {
   using S = typename SlopeOf<Slopes>::type;
   Trace* trace = new_trace(arena, last, k, s.channels);
   if (!trace) return false;
-  S* slopes = trace->first_slope<S>();
+  cover_stroke(*room.cover, s, id, tile);
+  int32_t* block = trace->block();
+  each_block(*room.cover, [&](int each) { block[trace->blocks++] = each; });
+  if (trace->blocks == 0) return true;     // the next trace takes its place
+  std::memcpy(trace->canvas(), room.canvas, sizeof(float) * trace->canvas_floats);
+  S* slopes = trace->slope<S>();
   int32_t ends = 0;
-  room.shade_stroke<Slopes>(s, id, tile, [&](const auto& slope) {
+  room.shade_covered<Slopes>(s, id, [&](const auto& slope) {
     if constexpr (std::is_same_v<decltype(slope), const EndSlope&>)
       room.ends[ends++] = slope;
     else
       slopes[trace->slopes++] = slope;
   });
   if (s.trainable && !s.trainable[id]) trace->slopes = ends = 0;
-  float* darkness = trace->first_darkness<S>();
-  int32_t blocks[tile_blocks];
-  each_block(*room.cover, [&](int block) {
-    if (trace->blocks == 0) std::memcpy(trace->canvas(), room.canvas, sizeof(float) * trace->canvas_floats);
-    store(darkness, load(room.shade + block * LANES));
-    darkness += LANES;
-    room.lay(s, id, block);
-    blocks[trace->blocks++] = block;
-  });
-  if (trace->blocks == 0) return true;     // the next trace takes its place
+  for (int32_t n = 0; n < trace->blocks; ++n) {
+    store(trace->darkness() + n * LANES, load(room.shade + block[n] * LANES));
+    room.lay(s, id, block[n]);
+  }
+  std::memcpy(trace->end<S>(), room.ends, sizeof(EndSlope) * ends);
   trace->ends = ends;
-  std::memcpy(trace->first_end<S>(), room.ends, sizeof(EndSlope) * ends);
-  std::memcpy(trace->first_block<S>(), blocks, sizeof(int32_t) * trace->blocks);
-  arena.at = trace->end<S>();
+  arena.at = trace->after<S>();
+  if (last) last->next = trace;
   last = trace;
   return true;
 }
@@ -71,7 +70,7 @@ bool paint_and_trace(Room& room, const Strokes& s, int64_t id, int64_t k, Tile t
 template <int Slopes>
 const Trace* paint_and_trace_all(Room& room, const Strokes& s, const int32_t* ids, int64_t count, Tile tile,
                                  Arena& arena) {
-  const Trace* last = nullptr;
+  Trace* last = nullptr;
   int64_t k = 0;
   while (k < count && paint_and_trace<Slopes>(room, s, ids[k], k, tile, arena, last)) ++k;
   if (k == count) return last;
@@ -91,7 +90,7 @@ const void* composite(const Strokes& s, const int32_t* ids, int64_t count, Tile 
   copy_in(room.canvas, canvas, tile, s.channels, height, width);
   if (!arena)
     for (int64_t k = 0; k < count; ++k) {
-      room.shade_stroke<0>(s, ids[k], tile, [](const auto&) {});
+      room.shade_stroke(s, ids[k], tile);
       each_block(*room.cover, [&](int block) { room.lay(s, ids[k], block); });
     }
   else
@@ -100,25 +99,20 @@ const void* composite(const Strokes& s, const int32_t* ids, int64_t count, Tile 
   return last;
 }
 
-// Finds the chunk that ends with a trace, and what its strokes cover; returns the number of its traces.
-template <int Slopes>
+// Finds the traces of the chunk that ends with one, and what their strokes cover; returns their number.
 int64_t find_chunk(Room& room, const Strokes& s, const int32_t* ids, const Trace* last) {
-  using S = typename SlopeOf<Slopes>::type;
+  std::memcpy(room.canvas, last->first->canvas(), sizeof(float) * last->first->canvas_floats);
   int64_t count = 0;
-  do room.chunk[count++] = last;
-  while (last->canvas_floats == 0 && (last = last->before));
-  const Trace& first = *room.chunk[count - 1];
-  std::memcpy(room.canvas, first.canvas(), sizeof(float) * first.canvas_floats);
-  for (int64_t i = count - 1; i >= 0; --i) {
-    const Trace& trace = *room.chunk[i];
-    const float* darkness = trace.first_darkness<S>();
-    const int32_t* blocks = trace.first_block<S>();
-    float* beneath = room.beneath + trace.blocks_before * LANES * s.channels;
-    for (int32_t n = 0; n < trace.blocks; ++n, darkness += LANES, beneath += LANES * s.channels)
-      room.lay(s, ids[trace.stroke], blocks[n], load(darkness),
+  for (const Trace* trace = last->first;; trace = trace->next) {
+    room.chunk[count++] = trace;
+    if (trace != last) prefetch(trace->next);
+    const float* darkness = trace->darkness();
+    float* beneath = room.beneath + trace->blocks_before * LANES * s.channels;
+    for (int32_t n = 0; n < trace->blocks; ++n, darkness += LANES, beneath += LANES * s.channels)
+      room.lay(s, ids[trace->stroke], trace->block()[n], load(darkness),
                [&](int64_t k, Floats covered) { store(beneath + k * LANES, covered); });
+    if (trace == last) return count;
   }
-  return count;
 }
 
 // Goes back over a stroke. record: where its gradients are added, or null where it gets none.
@@ -126,11 +120,10 @@ template <int Slopes>
 void step_back(Room& room, const Strokes& s, int64_t id, const Trace& trace, Tile tile, float* record) {
   using S = typename SlopeOf<Slopes>::type;
   StrokeGradient<Slopes> stroke(s, id, tile, room.sums, record);
-  const float* darkness_of = trace.first_darkness<S>();
-  const int32_t* blocks = trace.first_block<S>();
+  const float* darkness_of = trace.darkness();
   const float* beneath = room.beneath + trace.blocks_before * LANES * s.channels;
   for (int32_t n = 0; n < trace.blocks; ++n, darkness_of += LANES, beneath += LANES * s.channels) {
-    const int at = blocks[n] * LANES;
+    const int at = trace.block()[n] * LANES;
     const Floats value = load(darkness_of), darkness = s.o[id] * value;
     Floats grad_darkness{};
     for (int64_t j = 0; j < s.channels; ++j) {
@@ -146,9 +139,9 @@ void step_back(Room& room, const Strokes& s, int64_t id, const Trace& trace, Til
     store(room.shade + at, grad_darkness);
   }
   if (!record) return;
-  const S* slopes = trace.first_slope<S>();
+  const S* slopes = trace.slope<S>();
   for (int32_t n = 0; n < trace.slopes; ++n) stroke.add(slopes[n], room.shade);
-  const EndSlope* ends = trace.first_end<S>();
+  const EndSlope* ends = trace.end<S>();
   for (int32_t n = 0; n < trace.ends; ++n) stroke.add(ends[n], room.shade);
   stroke.finish();
 }
@@ -157,15 +150,14 @@ template <int Slopes>
 void walk_back(Room& room, const Strokes& s, const int32_t* ids, const Trace* last, Tile tile, float* gradients,
                const int64_t* record_of) {
   while (last) {
-    const int64_t count = find_chunk<Slopes>(room, s, ids, last);
-    for (int64_t i = 0; i < count; ++i) {
+    for (int64_t i = find_chunk(room, s, ids, last) - 1; i >= 0; --i) {
       const Trace& trace = *room.chunk[i];
-      if (i + 1 < count) prefetch(room.chunk[i + 1], &trace);
+      if (i) prefetch(room.chunk[i - 1], &trace);
       const int64_t id = ids[trace.stroke];
       const bool trainable = !s.trainable || s.trainable[id];
       step_back<Slopes>(room, s, id, trace, tile, trainable ? gradients + record_of[trace.stroke] : nullptr);
     }
-    last = room.chunk[count - 1]->before;
+    last = last->first->before;
   }
 }
 
@@ -174,7 +166,7 @@ template <int Slopes>
 void repaint_and_walk_back(Room& room, const Strokes& s, const int32_t* ids, int64_t count, Tile tile, int64_t height,
                            int64_t width, const float* canvas, float* gradients, const int64_t* record) {
   const int64_t image = Room::image_floats(s.channels);
-  const Trace* last = nullptr;
+  Trace* last = nullptr;
   const auto paint_chunk = [&](int64_t begin, int64_t end) {
     Arena arena = room.arena(s.channels);
     last = nullptr;
@@ -226,7 +218,7 @@ void composite_backward(const Strokes& s, const int32_t* ids, int64_t count, Til
 void darkness(const Strokes& s, int64_t id, Tile tile, int64_t width, float* out, char* scratch) {
   Room room(scratch, s.segments, 1, 1, false);
   std::memset(room.canvas, 0, 4 * tile_pixels);
-  room.shade_stroke<0>(s, id, tile, [](const auto&) {});
+  room.shade_stroke(s, id, tile);
   each_block(*room.cover, [&](int block) {
     store(room.canvas + block * LANES, s.o[id] * load(room.shade + block * LANES));
   });
@@ -239,7 +231,8 @@ void darkness_backward(const Strokes& s, int64_t id, Tile tile, int64_t width, c
   std::memset(room.gradient, 0, 4 * tile_pixels);
   copy_in(room.gradient, grad_out, tile, 1, 0, width);
   StrokeGradient<2> stroke(s, id, tile, room.sums, gradient);
-  room.shade_stroke<2>(s, id, tile, [&](const auto& slope) { stroke.add(slope, room.gradient); });
+  cover_stroke(*room.cover, s, id, tile);
+  room.shade_covered<2>(s, id, [&](const auto& slope) { stroke.add(slope, room.gradient); });
   each_block(*room.cover, [&](int block) {
     stroke.add_opacity(load(room.gradient + block * LANES), load(room.shade + block * LANES));
   });

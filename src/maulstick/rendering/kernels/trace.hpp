@@ -31,13 +31,14 @@ struct EndSlope {
 // Strokes that cover so many blocks are a chunk: what they cover fits a cache, and is found again on the way back.
 constexpr int32_t chunk_blocks = 2048;
 
-// One stroke; after it the canvas beneath it, where it begins a chunk, its slopes, the darkness of its blocks before the
-// opacity, its ends, and the numbers of its blocks.
+// One stroke; after it the canvas beneath it, where it begins a chunk, the numbers of its blocks, their darkness before the
+// opacity, its slopes, and its ends.
 struct alignas(64) Trace {
-  const Trace* before;                // of the stroke that was painted before, if any
+  const Trace *before, *next;         // of the strokes that were painted before and after it, if any
+  const Trace* first;                 // of its chunk
   int64_t stroke;                     // its place among the strokes of the tile
   int32_t canvas_floats;              // of the canvas beneath; 0 within a chunk
-  int32_t slopes, blocks, ends;
+  int32_t blocks, slopes, ends;
   int32_t blocks_before;              // of the chunk
 
   static constexpr int64_t most_slopes = 5 * tile_blocks;      // pixels or four parts of each, and padding
@@ -48,13 +49,11 @@ struct alignas(64) Trace {
   }
 
   float* canvas() const { return reinterpret_cast<float*>(const_cast<Trace*>(this) + 1); }
-  template <class S> S* first_slope() const { return reinterpret_cast<S*>(canvas() + canvas_floats); }
-  template <class S> float* first_darkness() const { return reinterpret_cast<float*>(first_slope<S>() + slopes); }
-  template <class S> EndSlope* first_end() const {
-    return reinterpret_cast<EndSlope*>(first_darkness<S>() + blocks * LANES);
-  }
-  template <class S> int32_t* first_block() const { return reinterpret_cast<int32_t*>(first_end<S>() + ends); }
-  template <class S> char* end() const { return reinterpret_cast<char*>(first_block<S>() + blocks); }
+  int32_t* block() const { return reinterpret_cast<int32_t*>(canvas() + canvas_floats); }
+  float* darkness() const { return reinterpret_cast<float*>(block() + (blocks + LANES - 1) / LANES * LANES); }
+  template <class S> S* slope() const { return reinterpret_cast<S*>(darkness() + blocks * LANES); }
+  template <class S> EndSlope* end() const { return reinterpret_cast<EndSlope*>(slope<S>() + slopes); }
+  template <class S> char* after() const { return reinterpret_cast<char*>(end<S>() + ends); }
 };
 
 // Fetches the trace before another one, if they lie in one piece; the processor does not guess that it goes backwards.
@@ -64,15 +63,22 @@ inline void prefetch(const Trace* before, const Trace* trace) {
   for (; from < to; from += 64) __builtin_prefetch(from);
 }
 
+// Fetches the beginning of a trace: the darkness of a usual number of blocks.
+inline void prefetch(const Trace* trace) {
+  for (int64_t at = 0; at < 1 << 10; at += 64) __builtin_prefetch(reinterpret_cast<const char*>(trace) + at);
+}
+
 // Begins the trace of a stroke; null if the arena has no room for it.
 inline Trace* new_trace(Arena& arena, const Trace* before, int64_t stroke, int64_t channels) {
   const int64_t most = Trace::most_bytes(channels);
   if (arena.end - arena.at < most && !(arena.more && arena.more(arena, most))) return nullptr;
   arena.at += (64 - reinterpret_cast<uintptr_t>(arena.at) % 64) % 64;
-  const int32_t blocks_before = before ? before->blocks_before + before->blocks : chunk_blocks;
-  const bool begins = blocks_before >= chunk_blocks;
-  const int32_t canvas_floats = begins ? int32_t(tile_pixels * channels) : 0;
-  return new (arena.at) Trace{before, stroke, canvas_floats, 0, 0, 0, begins ? 0 : blocks_before};
+  const bool begins = !before || before->blocks_before + before->blocks >= chunk_blocks;
+  Trace* trace = new (arena.at) Trace{before, nullptr, nullptr, stroke, 0, 0, 0, 0, 0};
+  trace->first = begins ? trace : before->first;
+  trace->canvas_floats = begins ? int32_t(tile_pixels * channels) : 0;
+  trace->blocks_before = begins ? 0 : before->blocks_before + before->blocks;
+  return trace;
 }
 
 }  // namespace
