@@ -83,7 +83,7 @@ def test_strokes_over_a_tile_that_are_too_many_to_go_back_at_once_have_the_refer
     fast: Renderer, traces: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(cpu, "TRACES", traces)
-    scene = random_scene(2, strokes=150, points=3, height=16, width=60)
+    scene = random_scene(2, strokes=300, points=3, height=16, width=60)
     scene = scene._replace(thickness=3 * scene.thickness, opacity=scene.opacity / 20)  # wide, and all of them seen
     truth = composite_with_gradients(REFERENCE, scene.to(torch.float64))
     assert_same(composite_with_gradients(fast, scene), truth, **FLOAT32)

@@ -88,4 +88,4 @@ class _WithSlope(torch.autograd.Function):
     @once_differentiable
     def backward(ctx: Any, grad_out: Tensor) -> tuple[Tensor | None, ...]:
         (slope,) = ctx.saved_tensors
-        return slope.mul_(grad_out), None  # in its own memory: new memory costs more than the product
+        return slope * grad_out, None

@@ -40,19 +40,18 @@ struct Coverage {                     // of one stroke over one tile
   uint32_t* reaching;                 // (runs, tile_blocks): one bit per segment that may reach the block
 };
 
-// Finds the columns [left, right] in which the segment, widened by its reach, crosses the rows from top to bottom, which
-// are widened by it already.
-inline bool crossing(const Segment& s, float top, float bottom, float reach, float* left, float* right) {
+// Finds the columns [left, right] in which the segment, widened by its reach, crosses the rows from top to bottom.
+inline bool crossing(const Segment& s, float top, float bottom, float* left, float* right) {
   float from = 0, to = 1;
   if (s.wy != 0) {
-    float a = (top - s.uy) / s.wy, b = (bottom - s.uy) / s.wy;
+    float a = (top - s.reach - s.uy) / s.wy, b = (bottom + s.reach - s.uy) / s.wy;
     from = larger(0.0f, smaller(a, b));
     to = smaller(1.0f, larger(a, b));
     if (from > to) return false;
   }
   float a = s.ux + from * s.wx, b = s.ux + to * s.wx;
-  *left = smaller(a, b) - reach;
-  *right = larger(a, b) + reach;
+  *left = smaller(a, b) - s.reach;
+  *right = larger(a, b) + s.reach;
   return true;
 }
 
@@ -79,41 +78,29 @@ inline Floats pixels_y(Tile tile, Ints pixel) {
   return __builtin_convertvector(row + tile.y, Floats) + 0.5f;
 }
 
-// Notes the blocks with centres of pixels that a segment may mark.
+// Notes in which blocks a segment may leave a mark.
 inline bool note_reached(uint32_t* reaching, uint32_t* touched, const Segment& s, uint32_t bit, Tile tile) {
-  constexpr float rounding = 0.25f;   // pixels
-  const float reach = s.reach + rounding;
   const float x0 = tile.x, x1 = tile.x + tile.width, y0 = tile.y, y1 = tile.y + tile.height;
-  const float left = smaller(s.ux, s.ux + s.wx), right = larger(s.ux, s.ux + s.wx);
-  const float top = smaller(s.uy, s.uy + s.wy), bottom = larger(s.uy, s.uy + s.wy);
-  if (!(s.reach > 0 && left - reach < x1 && right + reach > x0 && top - reach < y1 && bottom + reach > y0)) return false;
-  const int from = int(larger(top - reach - y0 + 0.5f, 0.0f)) / block_height;
-  const int to = int(larger(smaller(bottom + reach - y0, tile.height) - 0.5f, 0.0f)) / block_height;
-  const bool narrow = right - left < 4 * block_width;
+  const float left = smaller(s.ux, s.ux + s.wx) - s.reach, right = larger(s.ux, s.ux + s.wx) + s.reach;
+  const float top = smaller(s.uy, s.uy + s.wy) - s.reach, bottom = larger(s.uy, s.uy + s.wy) + s.reach;
+  if (!(s.reach > 0 && left < x1 && right > x0 && top < y1 && bottom > y0)) return false;
+  const int from = int(larger(top - y0, 0.0f)) / block_height;
+  const int to = int(smaller(bottom - y0, tile.height - 0.5f)) / block_height;
+  const bool narrow = __builtin_fabsf(s.wx) < 4 * block_width;      // its box is as tight as its outline
   for (int row = from; row <= to; ++row) {
-    const float first_y = y0 + row * block_height + 0.5f, last_y = first_y + (block_height - 1);
-    float low, high;
-    if (narrow) {                     // as wide as the mark is between these rows
-      const float away = larger(larger(top - last_y, first_y - bottom), 0.0f);
-      const float beside = reach * reach - away * away;
-      if (!(beside > 0)) continue;
-      const float half = __builtin_sqrtf(beside);
-      low = left - half, high = right + half;
-    } else if (!crossing(s, first_y - reach, last_y + reach, reach, &low, &high)) {
-      continue;
-    }
-    low = larger(low - x0 + 0.5f, 0.0f), high = smaller(high - x0, tile.width) - 0.5f;
-    if (!(low < tile.width && high >= 0)) continue;
-    const int first = int(low), last = int(high);
-    if (first > last) continue;
-    for (int column = first / block_width; column <= last / block_width; ++column)
-      reaching[row * blocks_across + column] |= bit;
-    touched[row] |= (2u << last / block_width) - (1u << first / block_width);
+    float a = left, b = right;
+    const float y = y0 + row * block_height;
+    if (!narrow && !crossing(s, y, y + block_height, &a, &b)) continue;
+    const float low = larger(a - x0, 0.0f), high = smaller(b - x0, tile.width - 0.5f);
+    if (!(low <= high)) continue;
+    const int first = int(low) / block_width, last = int(high) / block_width;
+    for (int column = first; column <= last; ++column) reaching[row * blocks_across + column] |= bit;
+    touched[row] |= (2u << last) - (1u << first);
   }
   return true;
 }
 
-// Calls visit(k) for the segments that may reach a block; of them, for those of a run's bits.
+// Calls visit(k) for the segments of all runs that may reach a block and that bits_of_run(run) has a bit for.
 template <class Bits, class Visit>
 inline void each_reaching(const Coverage& cover, int64_t count, int block, Bits bits_of_run, Visit visit) {
   for (int64_t r = 0, runs = runs_of(count); r < runs; ++r) {
@@ -124,7 +111,7 @@ inline void each_reaching(const Coverage& cover, int64_t count, int block, Bits 
   }
 }
 
-template <class Visit>
+template <class Visit>   // for all that may reach it
 inline void each_reaching(const Coverage& cover, int64_t count, int block, Visit visit) {
   each_reaching(cover, count, block, [](const Run&) { return ~0u; }, visit);
 }

@@ -188,11 +188,13 @@ void composite_backward(const std::string& instructions, int64_t threads, Array<
                               grad_out.data(), grad_canvas.size() ? grad_canvas.data() : nullptr, partial.get(),
                               at.strokes.record.data(), traces.last[at.number], at.scratch);
   });
-  each_stroke(s.count, 1024, threads, [&](int64_t i, int64_t) {
-    float* total = gradients.data() + i * size;
-    std::fill(total, total + size, 0.0f);
-    for (int64_t n = bands.slot[i]; n < bands.slot[i + 1]; ++n)
-      for (int64_t k = 0; k < size; ++k) total[k] += partial[n * size + k];
+  share_out_strokes(s.count, threads, [&](int64_t begin, int64_t end) {
+    for (int64_t i = begin; i < end; ++i) {
+      float* total = gradients.data() + i * size;
+      std::fill(total, total + size, 0.0f);
+      for (int64_t n = bands.slot[i]; n < bands.slot[i + 1]; ++n)
+        for (int64_t k = 0; k < size; ++k) total[k] += partial[n * size + k];
+    }
   });
 }
 

@@ -94,7 +94,7 @@ class SecondSearch {
  public:
   SecondSearch(const Nearest& near, Ints tight, const Segment* segments, const Shape* shapes, Floats x, Floats y)
       : segments_(segments), shapes_(shapes), x_(x), y_(y), ratio_(root(near.squared) / near.thickness),
-        half_pixel_(0.5f / near.thickness), furthest_(ratio_ + half_pixel_ * 2.001f), tight_(tight),
+        half_pixel_(0.5f / near.thickness), furthest_(ratio_ + half_pixel_ * most_of_turn), tight_(tight),
         turned_{}, least_(1e30f), most_(-1e30f), turn_{} {
     each_owner(near.owner, tight, [&](int32_t k, Ints mine) {
       const Turned here = turned_at(shapes[k], foot_on(segments[k], x, y).free);
@@ -124,6 +124,7 @@ class SecondSearch {
   const Segment* segments_;
   const Shape* shapes_;
   Floats x_, y_, ratio_, half_pixel_; // of the nearest: distance, and half a pixel, over thickness
+  static constexpr float most_of_turn = 2.001f;   // that counts in `reach`, and some more for rounding
   Floats furthest_;                   // what else meets it is no further off, over thickness
   Ints tight_;
   Turned turned_;                     // at the nearest points

@@ -17,7 +17,7 @@ inline auto slope_of(Ints place, const Mean& mean) {
 }
 
 // A thread's scratch: a tile of the canvas, of its gradient and of a stroke's darkness; the coverage, samples and ends of
-// one stroke; and room for some traces, where there is no other.
+// one stroke; a chunk of traces; and room for some traces, where there is no other.
 struct Room {
   Coverage* cover;
   Samples* samples;
@@ -25,7 +25,7 @@ struct Room {
   Floats* sums;
   EndSlope* ends;
   float *shade, *canvas, *gradient, *beneath, *checkpoints;
-  const Trace** chunk;                // its traces; `beneath` is what their blocks cover of the canvas
+  const Trace** chunk;                // traces of a chunk; `beneath` is what their blocks cover of the canvas
   int32_t* starts;                    // of each painting of `traces`, its first stroke
   char* traces;
 

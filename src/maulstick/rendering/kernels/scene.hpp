@@ -33,12 +33,12 @@ inline float bounded(float thickness) { return std::clamp(thickness, -1e9f, 1e9f
 
 inline float faded(float turn, float least) { return std::clamp((turn - least) / turn_fade, 0.0f, 1.0f); }
 
-// Calls work(stroke, thread) for each of so many strokes, of which a thread takes `at_once`.
+// Calls work(begin, end) for ranges of strokes, each of which a thread takes: few are not worth a thread of their own.
 template <class Work>
-void each_stroke(int64_t count, int64_t at_once, int64_t threads, Work work) {
-  share_out((count + at_once - 1) / at_once, threads, [&](int64_t task, int64_t thread) {
-    const int64_t end = std::min((task + 1) * at_once, count);
-    for (int64_t i = task * at_once; i < end; ++i) work(i, thread);
+void share_out_strokes(int64_t count, int64_t threads, Work work) {
+  constexpr int64_t at_once = 512;
+  share_out((count + at_once - 1) / at_once, threads, [&](int64_t task, int64_t) {
+    work(task * at_once, std::min((task + 1) * at_once, count));
   });
 }
 
@@ -65,22 +65,24 @@ struct Segments {
     if (each > most_segments)
       throw std::invalid_argument("a stroke has " + std::to_string(points) + " points; it may have 2,000,000");
     segment.reset(new Segment[count * each]), shape.reset(new Shape[count * each]), box.resize(count);
-    std::vector<std::vector<float>> places(std::max<int64_t>(threads, 1), std::vector<float>(kernel.places_floats(each)));
-    each_stroke(count, 512, threads, [&](int64_t i, int64_t thread) {
-      for (int64_t k = 0; k < each; ++k) {
-        const int64_t u = i * points + k, v = points > 1 ? u + 1 : u;
-        Segment& s = segment[i * each + k];
-        s.ux = xy[2 * u], s.uy = xy[2 * u + 1];
-        s.wx = xy[2 * v] - s.ux, s.wy = xy[2 * v + 1] - s.uy;
-        const float squared_length = s.wx * s.wx + s.wy * s.wy;
-        s.inverse_squared_length = squared_length > 0 ? 1 / squared_length : 0;
-        const float at_u = bounded(thickness[u]), at_v = bounded(thickness[v]), widest = std::max(at_u, at_v);
-        s.thickness = at_u, s.growth = at_v - at_u;
-        s.reach = widest > 0 ? widest + half_diagonal : 0;
-        box[i].include(s);
+    share_out_strokes(count, threads, [&](int64_t begin, int64_t end) {
+      std::vector<float> places(kernel.places_floats(each));
+      for (int64_t i = begin; i < end; ++i) {
+        for (int64_t k = 0; k < each; ++k) {
+          const int64_t u = i * points + k, v = points > 1 ? u + 1 : u;
+          Segment& s = segment[i * each + k];
+          s.ux = xy[2 * u], s.uy = xy[2 * u + 1];
+          s.wx = xy[2 * v] - s.ux, s.wy = xy[2 * v + 1] - s.uy;
+          const float squared_length = s.wx * s.wx + s.wy * s.wy;
+          s.inverse_squared_length = squared_length > 0 ? 1 / squared_length : 0;
+          const float at_u = bounded(thickness[u]), at_v = bounded(thickness[v]), widest = std::max(at_u, at_v);
+          s.thickness = at_u, s.growth = at_v - at_u;
+          s.reach = widest > 0 ? widest + half_diagonal : 0;
+          box[i].include(s);
+        }
+        find_shape(&segment[i * each], &shape[i * each], each);
+        kernel.find_tight(&segment[i * each], &shape[i * each], each, places.data());
       }
-      find_shape(&segment[i * each], &shape[i * each], each);
-      kernel.find_tight(&segment[i * each], &shape[i * each], each, places[thread].data());
     });
   }
 

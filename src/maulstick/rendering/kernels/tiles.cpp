@@ -99,11 +99,17 @@ const void* composite(const Strokes& s, const int32_t* ids, int64_t count, Tile 
   return last;
 }
 
-// Finds the traces of the chunk that ends with one, and what their strokes cover; returns their number.
-int64_t find_chunk(Room& room, const Strokes& s, const int32_t* ids, const Trace* last) {
-  std::memcpy(room.canvas, last->first->canvas(), sizeof(float) * last->first->canvas_floats);
+// Finds the traces of the chunk that ends with one, and what their strokes cover; returns their number. restore() puts the
+// canvas beneath the first chunk back.
+template <class Restore>
+int64_t find_chunk(Room& room, const Strokes& s, const int32_t* ids, const Trace* last, Restore restore) {
+  const Trace& first = *last->first;
+  if (first.before)
+    std::memcpy(room.canvas, first.canvas(), sizeof(float) * first.canvas_floats);
+  else
+    restore();
   int64_t count = 0;
-  for (const Trace* trace = last->first;; trace = trace->next) {
+  for (const Trace* trace = &first;; trace = trace->next) {
     room.chunk[count++] = trace;
     if (trace != last) prefetch(trace->next);
     const float* darkness = trace->darkness();
@@ -146,11 +152,11 @@ void step_back(Room& room, const Strokes& s, int64_t id, const Trace& trace, Til
   stroke.finish();
 }
 
-template <int Slopes>
+template <int Slopes, class Restore>   // restore: as `find_chunk` takes it
 void walk_back(Room& room, const Strokes& s, const int32_t* ids, const Trace* last, Tile tile, float* gradients,
-               const int64_t* record_of) {
+               const int64_t* record_of, Restore restore) {
   while (last) {
-    for (int64_t i = find_chunk(room, s, ids, last) - 1; i >= 0; --i) {
+    for (int64_t i = find_chunk(room, s, ids, last, restore) - 1; i >= 0; --i) {
       const Trace& trace = *room.chunk[i];
       if (i) prefetch(room.chunk[i - 1], &trace);
       const int64_t id = ids[trace.stroke];
@@ -161,34 +167,42 @@ void walk_back(Room& room, const Strokes& s, const int32_t* ids, const Trace* la
   }
 }
 
-// Paints the tile again, and goes back over it chunk after chunk.
+void restore_canvas(Room& room, const float* canvas, Tile tile, int64_t channels, int64_t height, int64_t width) {
+  std::memset(room.canvas, 0, 4 * Room::image_floats(channels));   // the way back reads unused lanes
+  copy_in(room.canvas, canvas, tile, channels, height, width);
+}
+
+// Paints the tile again, as many strokes at once as there is room for, and goes back over them.
 template <int Slopes>
 void repaint_and_walk_back(Room& room, const Strokes& s, const int32_t* ids, int64_t count, Tile tile, int64_t height,
                            int64_t width, const float* canvas, float* gradients, const int64_t* record) {
   const int64_t image = Room::image_floats(s.channels);
   Trace* last = nullptr;
-  const auto paint_chunk = [&](int64_t begin, int64_t end) {
+  const auto paint = [&](int64_t begin, int64_t end) {
     Arena arena = room.arena(s.channels);
     last = nullptr;
     while (begin < end && paint_and_trace<Slopes>(room, s, ids[begin], begin, tile, arena, last)) ++begin;
     return begin;
   };
-  std::memset(room.canvas, 0, 4 * image);
-  copy_in(room.canvas, canvas, tile, s.channels, height, width);
-  int64_t chunks = 0, end = 0;
-  do {
-    if (end) std::memcpy(room.checkpoints + chunks * image, room.canvas, 4 * image);   // else it is the canvas itself
-    room.starts[chunks++] = int32_t(end);
-    end = paint_chunk(end, count);
-  } while (end < count);
-  walk_back<Slopes>(room, s, ids, last, tile, gradients, record);
-  for (int64_t c = chunks - 2; c >= 0; --c) {
-    if (c)
-      std::memcpy(room.canvas, room.checkpoints + c * image, 4 * image);
+  const auto restore = [&](int64_t painting) {
+    if (painting)
+      std::memcpy(room.canvas, room.checkpoints + painting * image, 4 * image);
     else
-      copy_in(room.canvas, canvas, tile, s.channels, height, width);
-    paint_chunk(room.starts[c], room.starts[c + 1]);
-    walk_back<Slopes>(room, s, ids, last, tile, gradients, record);
+      restore_canvas(room, canvas, tile, s.channels, height, width);
+  };
+  restore(0);
+  int64_t paintings = 0, end = 0;
+  do {
+    if (end) std::memcpy(room.checkpoints + paintings * image, room.canvas, 4 * image);   // else it is the canvas itself
+    room.starts[paintings++] = int32_t(end);
+    end = paint(end, count);
+  } while (end < count);
+  for (int64_t p = paintings - 1; p >= 0; --p) {
+    if (p < paintings - 1) {
+      restore(p);
+      paint(room.starts[p], room.starts[p + 1]);
+    }
+    walk_back<Slopes>(room, s, ids, last, tile, gradients, record, [&] { restore(p); });
   }
 }
 
@@ -201,7 +215,8 @@ void composite_backward_with(const Strokes& s, const int32_t* ids, int64_t count
   std::memset(room.gradient, 0, 4 * Room::image_floats(s.channels));
   copy_in(room.gradient, grad_out, tile, s.channels, height, width);
   if (traces)
-    walk_back<Slopes>(room, s, ids, static_cast<const Trace*>(traces), tile, gradients, record);
+    walk_back<Slopes>(room, s, ids, static_cast<const Trace*>(traces), tile, gradients, record,
+                      [&] { restore_canvas(room, canvas, tile, s.channels, height, width); });
   else
     repaint_and_walk_back<Slopes>(room, s, ids, count, tile, height, width, canvas, gradients, record);
   if (grad_canvas) copy_out(room.gradient, grad_canvas, tile, s.channels, height, width);

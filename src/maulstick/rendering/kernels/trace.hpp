@@ -28,16 +28,17 @@ struct EndSlope {
   int32_t place;
 };
 
-// Strokes that cover so many blocks are a chunk: what they cover fits a cache, and is found again on the way back.
+// Strokes of so many blocks are a chunk: what they cover, in three channels, fits a cache. It is found again on the way
+// back, from the canvas beneath the first of them.
 constexpr int32_t chunk_blocks = 2048;
 
-// One stroke; after it the canvas beneath it, where it begins a chunk, the numbers of its blocks, their darkness before the
-// opacity, its slopes, and its ends.
+// One stroke; after it the canvas beneath it, where it begins a chunk other than the first, the numbers of its blocks,
+// their darkness before the opacity, its slopes, and its ends.
 struct alignas(64) Trace {
   const Trace *before, *next;         // of the strokes that were painted before and after it, if any
   const Trace* first;                 // of its chunk
   int64_t stroke;                     // its place among the strokes of the tile
-  int32_t canvas_floats;              // of the canvas beneath; 0 within a chunk
+  int32_t canvas_floats;              // of the canvas beneath; 0 where none is kept
   int32_t blocks, slopes, ends;
   int32_t blocks_before;              // of the chunk
 
@@ -76,7 +77,7 @@ inline Trace* new_trace(Arena& arena, const Trace* before, int64_t stroke, int64
   const bool begins = !before || before->blocks_before + before->blocks >= chunk_blocks;
   Trace* trace = new (arena.at) Trace{before, nullptr, nullptr, stroke, 0, 0, 0, 0, 0};
   trace->first = begins ? trace : before->first;
-  trace->canvas_floats = begins ? int32_t(tile_pixels * channels) : 0;
+  trace->canvas_floats = begins && before ? int32_t(tile_pixels * channels) : 0;
   trace->blocks_before = begins ? 0 : before->blocks_before + before->blocks;
   return trace;
 }
