@@ -328,6 +328,17 @@ def test_a_machine_that_is_held_by_its_own_button_goes_on_by_its_own_button() ->
         assert device.place[:2] == pytest.approx(1e3 * path[-1, :2])
 
 
+def test_a_stop_at_rest_leaves_no_hold_though_an_older_report_comes_first() -> None:
+    with FakeGrbl(delay=0.3) as device:  # later than the next report is asked for
+        with Grbl(device.port) as robot:
+            robot.move(ABOVE)
+            robot.stop()
+        until = time.monotonic() + 30
+        while device.state != "Idle" and time.monotonic() < until:
+            time.sleep(0.01)
+        assert (device.holds, device.state) == (1, "Idle")
+
+
 @pytest.mark.parametrize("reports", [0, 1])
 def test_offsets_that_other_programs_left_and_either_kind_of_report_are_understood(reports: int) -> None:
     told = FakeGrbl(

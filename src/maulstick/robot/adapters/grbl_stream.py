@@ -94,8 +94,11 @@ class GrblStream:
         """End a hold in which it stands still and has nothing left to do, so that other programs find it idle."""
         if self._waiting:  # it would go on with what it was sent
             return
-        if self.status(ready=False).state == "Hold:0":
-            self._line.write(_GO_ON)
+        patience = Patience(_DEAF)
+        while not patience.over:  # reports that were asked for before the hold may come first
+            if (status := self._report()) is not None and status.state == "Hold:0":
+                self._line.write(_GO_ON)
+                return
 
     def take_back_override(self) -> None:
         """Let it move as fast as commanded again, so that other programs find it so; waits for no answer."""
