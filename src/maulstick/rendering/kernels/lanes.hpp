@@ -20,8 +20,18 @@ inline Floats load(const float* p) { Floats x; std::memcpy(&x, p, sizeof x); ret
 inline Ints load(const int32_t* p) { Ints x; std::memcpy(&x, p, sizeof x); return x; }
 inline void store(int32_t* p, Ints x) { std::memcpy(p, &x, sizeof x); }
 inline void store(float* p, Floats x) { std::memcpy(p, &x, sizeof x); }
+
+#if LANES == 16                       // GCC makes two instructions of a choice
+constexpr __mmask16 every_lane = 0xffff;   // without a mask GCC warns of its own header
+inline Floats smaller(Floats a, Floats b) { return (Floats)_mm512_maskz_min_ps(every_lane, (__m512)a, (__m512)b); }
+inline Floats larger(Floats a, Floats b) { return (Floats)_mm512_maskz_max_ps(every_lane, (__m512)a, (__m512)b); }
+#elif defined(__AVX__) && LANES == 8
+inline Floats smaller(Floats a, Floats b) { return __builtin_ia32_minps256(a, b); }
+inline Floats larger(Floats a, Floats b) { return __builtin_ia32_maxps256(a, b); }
+#else
 inline Floats smaller(Floats a, Floats b) { return a < b ? a : b; }
 inline Floats larger(Floats a, Floats b) { return a > b ? a : b; }
+#endif
 
 inline Floats absolute(Floats x) { return (Floats)((Ints)x & 0x7fffffff); }
 

@@ -135,12 +135,10 @@ class SecondSearch {
 
 // Pixels in which another part may be as near.
 inline Ints tight_pixels(const Nearest& near, const Shape* shapes) {
-  Ints tight{};
-  each_owner(near.owner, marks(near), [&](int32_t k, Ints mine) {
-    const float from = larger(shapes[k].tight_from, 0.0f);
-    tight |= mine & (near.squared >= all(from * from));
-  });
-  return tight;
+  Floats from;
+  for (int i = 0; i < LANES; ++i) from[i] = shapes[near.owner[i]].tight_from;
+  from = larger(from, all(0.0f));
+  return marks(near) & (near.squared >= from * from);
 }
 
 // Of a block of pixels in some of which a stroke is not straight.

@@ -36,7 +36,7 @@ inline float faded(float turn, float least) { return std::clamp((turn - least) /
 // Calls work(begin, end) for ranges of strokes, each of which a thread takes: few are not worth a thread of their own.
 template <class Work>
 void share_out_strokes(int64_t count, int64_t threads, Work work) {
-  constexpr int64_t at_once = 512;
+  constexpr int64_t at_once = 64;
   share_out((count + at_once - 1) / at_once, threads, [&](int64_t task, int64_t) {
     work(task * at_once, std::min((task + 1) * at_once, count));
   });
