@@ -281,6 +281,13 @@ def test_what_the_command_notes_of_a_plan_is_a_warning() -> None:
     assert {warning.filename for warning in caught} == {__file__}
 
 
+def test_a_plan_of_which_no_stroke_is_left_is_a_warning() -> None:
+    with pytest.warns(UserWarning, match="^no stroke is left, for none brings the sheet nearer") as caught:
+        planned = ms.plan(demo_picture(), **{**QUICK, "paints": None}, ink="white", style="loops", brush="fineliner")
+    assert not planned.strokes
+    assert {warning.filename for warning in caught} == {__file__}
+
+
 def test_there_must_be_something_to_paint() -> None:
     with pytest.raises(InputError, match="give a picture, or a text"):
         ms.plan()

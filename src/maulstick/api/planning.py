@@ -17,6 +17,7 @@ from maulstick.jobs.plan.before import picture_near, planned_before
 from maulstick.jobs.plan.options import PlanOptions
 from maulstick.jobs.plan.prepare import prepare
 from maulstick.jobs.plan.request import PlanRequest
+from maulstick.jobs.plan.results import notes_on
 from maulstick.kinds import check_names, checked
 from maulstick.painting import painting as records
 from maulstick.painting.brush import Brush, in_painting_order, load_brush, names_of
@@ -104,7 +105,10 @@ def plan(
     def watch(step: PlanProgress) -> bool:
         return progress is None or progress(step) is not False
 
-    return Painting.of(prepared.painting(prepared.plan(watch, None)))
+    painting = Painting.of(prepared.painting(prepared.plan(watch, None)))
+    for note in notes_on(painting):
+        warn(note)
+    return painting
 
 
 @checked
