@@ -272,6 +272,13 @@ def test_a_warning_names_the_line_that_called(drawing: Path, tmp_path: Path) -> 
         assert caught[0].filename == __file__
 
 
+def test_a_stroke_of_complex_numbers_is_refused_as_what_it_is_and_no_part_of_it_dropped(painting: ms.Painting) -> None:
+    points = np.array([(0.03 + 1j, 0.03, 0.5), (0.04, 0.03, 0.5)])
+    for trajectory in (points, points.tolist()):
+        with pytest.raises(InputError, match=r"a trajectory is no array: .*complex.*; it must be \(n, 3\) of x, y and"):
+            painting.add(trajectory, paint=0)
+
+
 def test_what_the_command_notes_of_a_plan_is_a_warning() -> None:
     with pytest.warns(UserWarning, match="only lifts its pen|is larger than the machine") as caught:
         ms.plan(demo_picture(), **{**QUICK, "size": "A2"}, brush="marker", robot="axidraw")
