@@ -1,6 +1,5 @@
 """Reading an SVG's XML, safely, and the lengths in it."""
 
-import re
 from dataclasses import dataclass
 from math import hypot
 from pathlib import Path
@@ -15,6 +14,7 @@ from maulstick.drawing.lengths import pixels
 from maulstick.drawing.transforms import transform_of
 from maulstick.errors import InputError
 from maulstick.recording.files.markup import parsed
+from maulstick.recording.files.svg_paths import NUMBER
 
 SVG_SPACE: Final = "http://www.w3.org/2000/svg"
 INKSCAPE: Final = "{http://www.inkscape.org/namespaces/inkscape}"
@@ -24,8 +24,6 @@ NO_PLACE: Final = "a point in it has no place: it is no number, or too large; me
 
 _SMALLEST, _LARGEST = 1e-2, 1e7  # pixels of a page's side: above the micrometre that lengths are rounded to; 2.6 km
 _PAGE = 1000.0  # pixels: each side of a page whose file does not say it, as vpype has it
-_NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
-_COORDINATE = re.compile(rf"({_NUMBER.pattern})\s*,?\s*")
 
 
 def parsed_svg(content: bytes, path: Path) -> Element:
@@ -47,17 +45,7 @@ def parsed_svg(content: bytes, path: Path) -> Element:
 
 def numbers(text: str | None) -> list[float]:
     """Return all numbers in a text such as a viewBox."""
-    return [float(number) for number in _NUMBER.findall(text or "")]
-
-
-def coordinates(text: str) -> tuple[list[float], bool]:
-    """Return the coordinates of points up to a fault, x and y in turn, and whether there is no fault."""
-    read: list[float] = []
-    end = len(text) - len(text.lstrip())
-    while match := _COORDINATE.match(text, end):  # one expression for all of them would need 1 kB for each
-        read.append(float(match[1]))
-        end = match.end()
-    return read[: len(read) // 2 * 2], end == len(text) and len(read) % 2 == 0
+    return [float(number) for number in NUMBER.findall(text or "")]
 
 
 @dataclass(frozen=True)

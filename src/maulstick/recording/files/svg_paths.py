@@ -1,7 +1,8 @@
-"""What readers of SVG share: paths as chains of cubic Béziers, and a bound on what <use> repeats."""
+"""What readers of SVG share: paths as chains of cubic Béziers, points, and a bound on what <use> repeats."""
 
 import re
 from collections.abc import Iterator
+from typing import Final
 from xml.etree.ElementTree import Element
 
 import numpy as np
@@ -11,6 +12,13 @@ from maulstick.errors import InputError
 from maulstick.recording.files.markup import local_name
 from maulstick.storage.arrays import Floats
 
+NUMBER: Final = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
+"""Number as SVG writes it."""
+
+CORNERED: Final = ("polyline", "polygon")
+"""Elements that are drawn through points."""
+
+_COORDINATE = re.compile(rf"({NUMBER.pattern})\s*,?\s*")
 _FOREIGN = re.compile(r"[^MmZzLlHhVvCcSsQqTtAaEe\d.,+\-\s]")  # to a path's data: svgelements ends there in silence
 _ELEMENT = 32  # characters that an element counts in addition to its attributes
 
@@ -30,6 +38,16 @@ def chains_of(path: Path) -> Iterator[Floats]:
 def is_whole(data: str) -> bool:
     """Return whether a path's data has nothing in it at which svgelements ends in silence."""
     return data.strip() == "none" or _FOREIGN.search(data) is None
+
+
+def coordinates(text: str) -> tuple[list[float], bool]:
+    """Return the coordinates of points up to a fault, x and y in turn, and whether there is no fault."""
+    read: list[float] = []
+    end = len(text) - len(text.lstrip())
+    while match := _COORDINATE.match(text, end):  # one expression for all of them would need 1 kB for each
+        read.append(float(match[1]))
+        end = match.end()
+    return read[: len(read) // 2 * 2], end == len(text) and len(read) % 2 == 0
 
 
 def _cubics(segment: object) -> list[list[complex]]:
