@@ -25,6 +25,10 @@ _ELSEWHERE: Final = (
     f"{option('rotate')} or {option('size')}"
 )
 
+_TRAY_ELSEWHERE: Final = (
+    "give the tray's file another place for that well, or a lower clearance, or lay sheet and tray elsewhere"
+)
+
 
 @dataclass(frozen=True)
 class Way:
@@ -32,16 +36,18 @@ class Way:
 
     name: what it is for, as in ``stroke 12``.  path: (n, 3) places in the machine's frame, metres.
     speed: (k,) metres per second at most where the tip is lowered; None where it only goes over to the next place.
+    in_tray: whether it is in a well of the tray.
     """
 
     name: str
     path: Floats
     speed: Floats | None
+    in_tray: bool = False
 
 
 def check_room(ways: Sequence[Way], easel: Easel, limits: Limits) -> None:
     """Raise InputError where a way leaves the workspace or the reach, or is too fast, counting the others that do."""
-    faults: list[str] = []
+    faults: list[tuple[Way, str]] = []
     for way in ways:
         if way.speed is None:
             continue  # the workspace is a box: a straight way between two places of it lies in it
@@ -49,9 +55,10 @@ def check_room(ways: Sequence[Way], easel: Easel, limits: Limits) -> None:
             limits.check_path(way.path)
             limits.check_speed(way.speed)
         except InputError as error:
-            faults.append(f"{way.name}: {error}")
+            faults.append((way, f"{way.name}: {error}"))
     if faults:
-        raise InputError(f"{faults[0]}{_more(len(faults))}; {_ELSEWHERE}")
+        way, fault = faults[0]
+        raise InputError(f"{fault}{_more(len(faults))}; {_TRAY_ELSEWHERE if way.in_tray else _ELSEWHERE}")
     if limits.reach is not None and ways:
         _check_reach(ways, easel, limits, limits.reach)
 
