@@ -9,12 +9,12 @@ from xml.etree.ElementTree import Element, ParseError
 from defusedxml import DefusedXmlException  # type: ignore[import-untyped]
 from svgelements import Matrix, Viewbox  # type: ignore[import-untyped]
 
-from maulstick.drawing.css import Style
-from maulstick.drawing.lengths import pixels
-from maulstick.drawing.transforms import transform_of
 from maulstick.errors import InputError
+from maulstick.recording.files.css import Style
+from maulstick.recording.files.lengths import pixels
 from maulstick.recording.files.markup import parsed
-from maulstick.recording.files.svg_paths import NUMBER
+from maulstick.recording.files.svg_paths import view_box
+from maulstick.recording.files.transforms import transform_of
 
 SVG_SPACE: Final = "http://www.w3.org/2000/svg"
 INKSCAPE: Final = "{http://www.inkscape.org/namespaces/inkscape}"
@@ -41,11 +41,6 @@ def parsed_svg(content: bytes, path: Path) -> Element:
         raise InputError(f"{path} is not an SVG: {error}") from error
     except (ParseError, ValueError, LookupError) as error:
         raise InputError(f"{path} is not an SVG that can be read: {error}; save it again as plain SVG") from error
-
-
-def numbers(text: str | None) -> list[float]:
-    """Return all numbers in a text such as a viewBox."""
-    return [float(number) for number in NUMBER.findall(text or "")]
 
 
 @dataclass(frozen=True)
@@ -113,12 +108,6 @@ def _length(text: str | None, otherwise: str, whole: float) -> float:
 def _side(text: str | None) -> float | None:
     """Return a side of the page in pixels, or None where it is no length, or of a whole that a page has not."""
     return None if (text or "").strip().endswith("%") else pixels(text)
-
-
-def view_box(element: Element) -> list[float] | None:
-    """Return the viewBox (x, y, width, height) of an element, or None where it has none that can be used."""
-    view = numbers(element.get("viewBox"))
-    return view if len(view) == 4 and view[2] > 0 and view[3] > 0 else None
 
 
 def viewed(element: Element, place: tuple[float, float, float, float]) -> tuple[Matrix, Viewport]:

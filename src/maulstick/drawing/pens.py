@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Self
 
-from maulstick.drawing.css import Rgb
 from maulstick.drawing.shapes import Group, Shape
 from maulstick.painting.painting import hex_colour
+from maulstick.recording.files.css import Rgb
 
 _BLACK: Rgb = (0.0, 0.0, 0.0)
 _WHITE: Rgb = (1.0, 1.0, 1.0)  # the paper's: hatching it shows nothing

@@ -12,15 +12,16 @@ from xml.etree.ElementTree import Element
 import numpy as np
 from svgelements import Matrix  # type: ignore[import-untyped]
 
-from maulstick.drawing.css import GEOMETRY, MOVES, Rgb, Style, colour_of, inherited, is_zero, referred, unread
-from maulstick.drawing.document import INKSCAPE, SVG_SPACE, Page, Viewport, numbers, viewed
+from maulstick.drawing.document import INKSCAPE, SVG_SPACE, Page, Viewport, viewed
 from maulstick.drawing.geometry import is_shape, outline
 from maulstick.drawing.lines import bounds_of
-from maulstick.drawing.style_sheet import StyleSheet
-from maulstick.drawing.transforms import transform_of
 from maulstick.errors import InputError
 from maulstick.painting.svg import OWN_LAYER
+from maulstick.recording.files.css import GEOMETRY, MOVES, Rgb, Style, colour_of, inherited, is_zero, referred, unread
 from maulstick.recording.files.markup import local_name
+from maulstick.recording.files.style_sheet import StyleSheet
+from maulstick.recording.files.svg_paths import numbers
+from maulstick.recording.files.transforms import transform_of
 from maulstick.storage.arrays import Floats
 
 NEVER: Final = "%"

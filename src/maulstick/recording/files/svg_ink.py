@@ -12,6 +12,7 @@ from maulstick.recording.files.curves import polylines
 from maulstick.recording.files.markup import METRES, local_name, parsed
 from maulstick.recording.files.page import Page
 from maulstick.recording.files.svg_paths import CORNERED, chains_of, check_uses, coordinates, is_whole
+from maulstick.recording.files.svg_styles import write_styles
 from maulstick.storage.arrays import Floats
 
 _NEVER_DRAWN = ("symbol", "marker", "mask", "pattern", "clipPath")  # elements that are drawn only by reference
@@ -29,6 +30,7 @@ def read_svg(content: bytes) -> Page:
     """
     root = parsed(content, "svg")
     check_uses(root, _LARGEST)
+    write_styles(root)
     _hide(root)
     _cut_at_faults(root)
     across, down = _metres(root.get("width")), _metres(root.get("height"))

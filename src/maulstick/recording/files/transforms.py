@@ -5,8 +5,8 @@ from math import tau
 
 from svgelements import Matrix  # type: ignore[import-untyped]
 
-from maulstick.drawing.css import Style
-from maulstick.drawing.lengths import pixels
+from maulstick.recording.files.css import Style
+from maulstick.recording.files.lengths import pixels
 
 _PPI = 96  # pixels per inch, as CSS has it
 _SIDES = {"left": "0%", "top": "0%", "center": "50%", "right": "100%", "bottom": "100%"}

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import NamedTuple, Self
 from xml.etree.ElementTree import Element
 
-from maulstick.drawing.css import INHERITED, MOVES, READ, Style, inherited
+from maulstick.recording.files.css import INHERITED, MOVES, READ, Style, inherited
 from maulstick.recording.files.markup import local_name
 
 _COMMENT = re.compile(r"/\*.*?\*/|<!--|-->", re.DOTALL)
