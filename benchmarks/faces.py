@@ -90,6 +90,8 @@ def main() -> None:
     parser.add_argument("images", nargs="*", default=IMAGES, metavar="IMAGE", help=" or ".join(IMAGES))
     parser.add_argument("--seeds", type=int, default=3)
     asked = parser.parse_args()
+    if unknown := [image for image in asked.images if image not in IMAGES]:
+        parser.error(f"there is no image {unknown[0]}; there are: {', '.join(IMAGES)}")
     for image in asked.images:
         rows = []
         for seed in range(asked.seeds):

@@ -2,6 +2,7 @@
 
 import json
 import sys
+from argparse import ArgumentTypeError
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,14 @@ Row = dict[str, Any]
 def python_of(checkout: Path) -> str:
     """The interpreter that runs a checkout: this one's own is the running one."""
     return sys.executable if checkout == ROOT else str(checkout / ".venv" / "bin" / "python")
+
+
+def checkout_named(path: str) -> Path:
+    """The checkout in a folder, for argparse."""
+    checkout = Path(path).resolve()
+    if not Path(python_of(checkout)).is_file():
+        raise ArgumentTypeError(f"{path} is no checkout with a .venv; name the folder of one")
+    return checkout
 
 
 def rows_of(name: str) -> list[Row]:

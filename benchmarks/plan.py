@@ -43,7 +43,7 @@ from typing import Any
 import numpy as np
 import torch
 from intervals import interval, mean, of_few
-from kept import rows_of_others
+from kept import checkout_named, rows_of_others
 from matplotlib.figure import Figure
 from photographs import BRUSH, IMAGES, laid_out
 from step_cost import step_costs
@@ -237,7 +237,7 @@ def main() -> None:
     parser.add_argument("--large", action="store_true")
     parser.add_argument("--scaling", action="store_true")
     parser.add_argument("--step-cost", action="store_true")
-    parser.add_argument("--beside", type=Path, nargs="+", default=[], metavar="CHECKOUT")
+    parser.add_argument("--beside", type=checkout_named, nargs="+", default=[], metavar="CHECKOUT")
     parser.add_argument("--plot", type=Path, help="with --objective network: draw the curves, too")
     parser.add_argument("--objective", choices=["tone", "network"], default="tone")
     asked = parser.parse_args()

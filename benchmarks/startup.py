@@ -25,7 +25,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 from pathlib import Path
 
-from kept import ROOT, python_of
+from kept import ROOT, checkout_named, python_of
 
 CASES = {"free": ["--demo"], "loops": ["--demo", "--style", "loops", "--ink", "black"]}
 MARKS = ("loading", "preparing", "beginning", "finishing", "files")
@@ -95,7 +95,7 @@ def stages(checkout: Path, words: Sequence[str]) -> dict[str, float]:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--runs", type=int, default=5)
-    parser.add_argument("--beside", type=Path, nargs="+", default=[], metavar="CHECKOUT")
+    parser.add_argument("--beside", type=checkout_named, nargs="+", default=[], metavar="CHECKOUT")
     asked = parser.parse_args()
     os.environ["OMP_NUM_THREADS"] = "1"
     sources = {"here": ROOT} | {checkout.name: checkout for checkout in asked.beside}
@@ -105,7 +105,7 @@ def main() -> None:
         torch.append(run(sys.executable, "-c", "import torch")[0])
         for source, checkout in sources.items():
             for case, words in CASES.items():
-                spent[source, case].append(stages(checkout.resolve(), words))
+                spent[source, case].append(stages(checkout, words))
     for (source, case), runs in spent.items():
         for stage in STAGES:
             seconds = min(each[stage] for each in runs[1:])  # the first one read the files

@@ -66,7 +66,7 @@ print(json.dumps([middle([b - a for a, b in zip(steps[40:], steps[41:])]), middl
 
 def step_costs(others: Sequence[Path]) -> Iterator[dict[str, Any]]:
     """Yield a row for each source and case: medians of the middle steps of plans that take turns."""
-    sources = {"here": ROOT} | {checkout.name: checkout.resolve() for checkout in others}
+    sources = {"here": ROOT} | {checkout.name: checkout for checkout in others}
     times: dict[tuple[str, str], list[tuple[float, float]]] = defaultdict(list)
     for _ in range(TURNS):
         for case, (style, ink) in CASES.items():

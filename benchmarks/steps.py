@@ -14,11 +14,12 @@ import json
 import os
 import subprocess
 import sys
+from argparse import ArgumentTypeError
 from concurrent.futures import ThreadPoolExecutor
 from itertools import product
 from pathlib import Path
 
-from kept import ROOT, python_of, rows_of_others
+from kept import ROOT, checkout_named, python_of, rows_of_others
 from photographs import IMAGES
 
 STYLES = ("free", "loops", "hatching")
@@ -58,15 +59,22 @@ def planned(checkout: Path, row: dict[str, str | int]) -> str:
     return ran.stdout
 
 
+def checkout_and_steps(text: str) -> tuple[Path, int]:
+    """A checkout and the steps that it plans, for argparse."""
+    path, _, steps = text.rpartition("=")
+    if not path or not steps.isdecimal():
+        raise ArgumentTypeError(f"{text!r} is no CHECKOUT=N; write a folder and a number of steps, as in ../before=500")
+    return checkout_named(path), int(steps)
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--steps", type=int, nargs="+", default=[300, 500])
     parser.add_argument("--seeds", type=int, default=3)
-    parser.add_argument("--beside", nargs="+", default=[], metavar="CHECKOUT=N")
+    parser.add_argument("--beside", type=checkout_and_steps, nargs="+", default=[], metavar="CHECKOUT=N")
     asked = parser.parse_args()
     sources = [(ROOT, "here", steps) for steps in asked.steps]
-    for checkout, _, steps in (each.rpartition("=") for each in asked.beside):
-        sources.append((Path(checkout).resolve(), Path(checkout).name, int(steps)))
+    sources += [(checkout, checkout.name, steps) for checkout, steps in asked.beside]
     cases = product(range(asked.seeds), sources, STYLES, IMAGES)
     rows = [
         (checkout, {"source": source, "style": style, "image": image, "seed": seed, "steps": steps})

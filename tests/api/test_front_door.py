@@ -272,12 +272,26 @@ def test_a_warning_names_the_line_that_called(drawing: Path, tmp_path: Path) -> 
         assert caught[0].filename == __file__
 
 
+def test_a_stroke_of_complex_numbers_is_refused_as_what_it_is_and_no_part_of_it_dropped(painting: ms.Painting) -> None:
+    points = np.array([(0.03 + 1j, 0.03, 0.5), (0.04, 0.03, 0.5)])
+    for trajectory in (points, points.tolist()):
+        with pytest.raises(InputError, match=r"a trajectory is no array: .*complex.*; it must be \(n, 3\) of x, y and"):
+            painting.add(trajectory, paint=0)
+
+
 def test_what_the_command_notes_of_a_plan_is_a_warning() -> None:
     with pytest.warns(UserWarning, match="only lifts its pen|is larger than the machine") as caught:
         ms.plan(demo_picture(), **{**QUICK, "size": "A2"}, brush="marker", robot="axidraw")
     held, large = (str(warning.message) for warning in caught)
     assert held.startswith("this machine only lifts its pen, so the brush marker is held at one pressure, 0.5")
     assert large.startswith("this sheet, 420 by 594 mm, is larger than the machine reaches")
+    assert {warning.filename for warning in caught} == {__file__}
+
+
+def test_a_plan_of_which_no_stroke_is_left_is_a_warning() -> None:
+    with pytest.warns(UserWarning, match="^no stroke is left, for none brings the sheet nearer") as caught:
+        planned = ms.plan(demo_picture(), **{**QUICK, "paints": None}, ink="white", style="loops", brush="fineliner")
+    assert not planned.strokes
     assert {warning.filename for warning in caught} == {__file__}
 
 

@@ -31,3 +31,26 @@ def test_a_script_says_what_it_does_and_refuses_what_it_does_not_know_before_it_
     out, err = capsys.readouterr()
     assert text.split('"""')[1].splitlines()[0] in out
     assert "unrecognized arguments: --no-such-option" in err or "required: " in err
+
+
+@pytest.mark.parametrize(
+    ("script", "words", "told"),
+    [
+        ("faces", ["nobody"], "there is no image nobody; there are: astronaut, grace_hopper"),
+        ("steps", ["--beside", "../before"], "'../before' is no CHECKOUT=N; write a folder and a number of steps"),
+        ("steps", ["--beside", "/none=500"], "/none is no checkout with a .venv; name the folder of one"),
+        ("startup", ["--beside", "/none"], "/none is no checkout with a .venv; name the folder of one"),
+        ("plan", ["--step-cost", "--beside", "/none"], "/none is no checkout with a .venv; name the folder of one"),
+    ],
+)
+def test_a_name_that_a_benchmark_does_not_know_ends_with_one_line_before_it_measures_anything(
+    script: str, words: list[str], told: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = ROOT / "benchmarks" / f"{script}.py"
+    monkeypatch.syspath_prepend(str(path.parent))
+    monkeypatch.setattr(sys, "argv", [str(path), *words])
+    with pytest.raises(SystemExit) as left:
+        runpy.run_path(str(path), run_name="__main__")
+    out, err = capsys.readouterr()
+    assert (left.value.code, out) == (2, "")
+    assert told in err.splitlines()[-1]

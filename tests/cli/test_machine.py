@@ -293,6 +293,12 @@ def test_the_logbook_lists_what_each_pen_drew_on_a_machine_or_on_all(
     )
 
 
+def test_a_machine_that_there_is_not_has_no_logbook(here: Path) -> None:
+    assert run("machine", "FOO", "--log").mistake.startswith("there is no machine 'FOO'; there are: sim")
+    assert run("machine", "grbl", "--log").mistake.startswith("'grbl' does not say where the machine is")
+    assert run("machine", "sim", "--log").stdout.startswith("nothing was painted on sim so far")
+
+
 def test_nothing_is_logged_of_a_simulated_machine(here: Path) -> None:
     write_painting(SIX, here / "painting.json")
     assert run("paint", "painting.json").code == 0

@@ -32,6 +32,16 @@ def test_a_plan_says_that_its_strokes_give_too_little_ink_and_keeps_the_tones_in
     assert f"in tones │ {metrics['psnr_blurred']:.1f} dB PSNR beside those it was planned in" in words
 
 
+def test_a_plan_of_which_no_stroke_is_left_says_why_and_what_to_do(tmp_path: Path) -> None:
+    ran = paint(tmp_path / "out", *PEN, "--ink", "white", "--strokes", "5")
+    assert ran.code == 0, ran.stderr
+    assert not read_painting(tmp_path / "out" / "painting.json").strokes
+    last = ran.stderr.splitlines()[-1]
+    assert last.startswith("note: no stroke is left, for none brings the sheet nearer to what is asked for; take inks")
+    some = paint(tmp_path / "some", *PEN, "--strokes", "5")
+    assert "no stroke is left" not in some.stderr
+
+
 def test_auto_takes_the_strokes_that_the_ink_of_the_picture_needs(tmp_path: Path) -> None:
     ran = paint(tmp_path / "out", *PEN, "--strokes", "auto", "--steps", "2")
     assert ran.code == 0, ran.stderr

@@ -5,10 +5,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from maulstick.drawing.document import coordinates
 from maulstick.drawing.options import DrawingOptions
 from maulstick.drawing.read import read_drawing
 from maulstick.errors import InputError
+from maulstick.recording.files.svg_paths import coordinates
 from tests.drawing.conftest import PAGE, SPACES
 
 ENTITIES = "".join(f'<!ENTITY {b} "{f"&{a};" * 10}">' for a, b in zip("abcdefgh", "bcdefghi", strict=True))

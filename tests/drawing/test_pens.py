@@ -168,6 +168,11 @@ def test_names_of_layers_stay_as_they_are_however_often_a_drawing_is_exported_an
     assert svg(read_drawing(tmp_path / "again.svg", DrawingOptions(keep_order=True)).painting) == once
 
 
+def test_what_somebody_else_writes_after_a_layers_colour_stays_in_its_name(read: Read) -> None:
+    painting = read(layer("1 #ff0000 leaves", path(1, "#ff0000")) + layer("oak #0000ff", path(2, "#0000ff"))).painting
+    assert [paint.name for paint in painting.paints] == ["#ff0000 leaves", "oak #0000ff"]
+
+
 def test_an_svg_that_we_have_written_is_read_as_the_same_strokes(read: Read, tmp_path: Path) -> None:
     first = read(layer("1+S50 red", path(1, "red")) + layer("2 blue", path(2, "blue"))).painting
     write_painting(first, tmp_path / "painting.json")

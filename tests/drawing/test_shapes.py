@@ -295,6 +295,10 @@ def box_of(drawing: Drawing) -> list[float]:
         ("rotate: 90deg; transform-origin: 50px 40px", [50, 10, 10, 40]),
         ("rotate: -.25turn; transform-origin: 50px 20px", [60, 10, 10, 40]),
         ("rotate: Z 100GRAD; transform-origin: 50px 40px", [50, 10, 10, 40]),
+        ("rotate: 90deg z; transform-origin: 50px 40px", [50, 10, 10, 40]),
+        ("rotate: 0 0 1 90deg; transform-origin: 50px 40px", [50, 10, 10, 40]),
+        ("rotate: 90deg 0  0 1; transform-origin: 50px 40px", [50, 10, 10, 40]),
+        ("rotate: z 90deg z", [20, 30, 40, 10]),
         ("rotate: 90", [20, 30, 40, 10]),
         ("scale: 1.5 50%", [30, 15, 60, 5]),
         ("scale: 50%", [10, 15, 20, 5]),
@@ -313,6 +317,21 @@ def test_an_element_is_moved_by_the_properties_for_each_kind_of_move_as_in_a_bro
     assert box_of(read(f'<g style="{style}">{BOX}</g>')) == pytest.approx(expected, abs=1e-3)
     ruled = f"<style>g {{ {style} }}</style><g>{BOX}</g>"
     assert box_of(read(ruled)) == pytest.approx(expected, abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("outer", "expected"),
+    [
+        ("translate: 10px 5px", [40, 40, 40, 10]),
+        ("translate: 5px -10px; scale: .5", [17.5, 0, 20, 5]),
+        ("", [20, 30, 40, 10]),
+    ],
+)
+def test_a_move_that_is_inherited_is_the_parents_own_and_made_twice(
+    read: Read, outer: str, expected: list[float]
+) -> None:
+    inner = BOX.replace("/>", ' style="translate: inherit; scale: unset"/>')
+    assert box_of(read(f'<g style="{outer}">{inner}</g>')) == pytest.approx(expected, abs=1e-3)
 
 
 def test_there_are_no_attributes_of_these_names(read: Read) -> None:

@@ -3,7 +3,7 @@ from xml.etree.ElementTree import fromstring
 
 import pytest
 
-from maulstick.drawing.style_sheet import StyleSheet
+from maulstick.recording.files.style_sheet import StyleSheet
 from tests.drawing.conftest import Read, labels, points
 
 LINES = '<path class="a" d="M0 0h9"/><path class="b" d="M0 1h9"/>'

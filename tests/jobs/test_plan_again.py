@@ -209,6 +209,19 @@ def test_a_painting_among_the_options_is_planned_again_as_one_that_is_given(fold
     assert locked(among) == locked(changed)
 
 
+def test_options_that_leave_out_the_regions_of_a_painting_are_told_of_it(changed: Painting) -> None:
+    options: dict[str, Any] = {**changed.provenance.options, "regions": "map.svg", "say": "map.toml"}
+    directed = changed.model_copy(update={"provenance": changed.provenance.model_copy(update={"options": options})})
+    with pytest.raises(InputError, match=r"planned with the file map\.svg; name that once more, with regions"):
+        ms.plan(picture(), again=directed, steps=QUICK)
+    with pytest.warns(UserWarning, match="these options leave that out") as caught:
+        ms.plan(picture(), again=directed, options=PlanOptions(style="loops", size=SIDE, steps=1))
+    assert [str(warning.message) for warning in caught] == [
+        f"it was planned with the file {file}, and these options leave that out; name it with {name} to keep it"
+        for file, name in (("map.svg", "regions"), ("map.toml", "say"))
+    ]
+
+
 def test_a_brush_that_no_library_has_is_the_paintings_own(tmp_path: Path) -> None:
     own = ms.load_brush("marker").model_copy(update={"name": "mine"})
     painting = ms.plan(picture(), brush=own, strokes=5, steps=1, px=16)
@@ -303,9 +316,8 @@ def test_what_cannot_be_planned_again_is_refused(folder: Path, changed: Painting
     assert "all 19 strokes are locked or painted, and strokes asks for no more; unlock some" in refusal(
         folder, edited(changed, [every]), strokes=19
     )
-    assert "the painting is on a sheet of 60 x 60 mm, and size asks for 70 x 60 mm" in refusal(
-        folder, changed, size="70x60mm"
-    )
+    asked = "the painting is on a sheet of 60 x 60 mm, and size asks for 70 x 60 mm; give the size of the painting"
+    assert asked in refusal(folder, changed, size="70x60mm")
     assert "again keeps the sheet, the paints and the pressure of the painting; leave out ink" in refusal(
         folder, changed, ink="black"
     )

@@ -69,6 +69,19 @@ def test_xml_is_read_in_other_encodings(file: Path, encoding: str) -> None:
     assert read_ink_file(file)[1] == "SVG"
 
 
+@pytest.mark.parametrize(
+    ("points", "drawn"), [("1 1 x 9 9", 0), ("x", 0), ("1 1 9 9 x 20 20", 1), ("1 1 9 9 2", 1), ("", 0), ("1,1 9 9", 1)]
+)
+def test_points_end_before_a_faulty_sign_as_paths_do_and_are_told(file: Path, points: str, drawn: int) -> None:
+    notes: list[str] = []
+    shape = f'<polyline points="{points}"/>'
+    file.write_text(f'<svg width="50mm" height="50mm" viewBox="0 0 50 50">{shape}<path d="M5 0h9"/></svg>')
+    ink, _ = read_ink_file(file, note=notes.append)
+    told = ["1 path of drawing with faulty data: drawn up to the fault"]
+    assert (len(ink), notes) == (1 + drawn, told if points not in ("", "1,1 9 9") else [])
+    assert ink.samples[:, 1:3].max() == pytest.approx(0.014), "what is behind a fault is not drawn"
+
+
 def test_paths_that_end_early_at_a_faulty_sign_are_told_by_their_number(file: Path) -> None:
     paths = "".join(
         f'<path d="M1 1L9 {y}{rest}"/>' for y, rest in ((5, ""), (6, " ;L50 50"), (7, " L90 10 x"), (8, "z"))

@@ -1,7 +1,11 @@
+from pathlib import Path
+
 import numpy as np
 import pytest
 from defusedxml import EntitiesForbidden
 
+from maulstick.drawing.options import DrawingOptions
+from maulstick.drawing.read import read_drawing
 from maulstick.errors import InputError
 from maulstick.painting.painting import Stroke
 from maulstick.painting.refined import refined
@@ -172,6 +176,39 @@ def test_uses_that_multiply_are_refused_before_they_are_drawn() -> None:
     doubling = "".join(f'<g id="a{i}"><use href="#a{i - 1}"/><use href="#a{i - 1}"/></g>' for i in range(1, 60))
     with pytest.raises(InputError, match="its shapes come to over 12 MiB, counting every <use> of them; split it"):
         svg(f'<path id="a0" d="M0 0L1 1"/>{doubling}')
+
+
+LINE = '<path d="M10 10H20"/>'
+
+
+@pytest.mark.parametrize(
+    ("style", "expected"),
+    [
+        ("translate: 5px 1px", [[15, 11], [25, 11]]),
+        ("scale: 2", [[20, 20], [40, 20]]),
+        ("rotate: 90deg; transform-origin: 10px 10px", [[10, 10], [10, 20]]),
+        ("transform: scale(2); transform-origin: 10px 0", [[10, 20], [30, 20]]),
+        ("transform: translate(1px, 2px); translate: 10%", [[21, 12], [31, 12]]),
+        ("translate: 5px; display: none", None),
+    ],
+)
+@pytest.mark.parametrize("is_ruled", [True, False])
+def test_elements_are_moved_and_hidden_by_their_styles_as_in_drawings(
+    tmp_path: Path, style: str, expected: list[list[float]] | None, is_ruled: bool
+) -> None:
+    ruled = f'<style>g.a > g {{ {style} }}</style><g class="a"><g>{LINE}</g></g>'
+    body = (ruled if is_ruled else f'<g style="{style}">{LINE}</g>') + '<path d="M0 0H1"/>'
+    (tmp_path / "drawing.svg").write_text(f'<svg xmlns="http://www.w3.org/2000/svg" {SHEET}>{body}</svg>')
+    drawn = read_drawing(tmp_path / "drawing.svg", DrawingOptions(keep_order=True)).painting.strokes
+    seen = [np.round(1e3 * np.array(stroke.trajectory)[[0, -1], :2], 3).tolist() for stroke in drawn]
+    assert ends(body) == seen == [*([] if expected is None else [expected]), [[0, 0], [1, 0]]]
+
+
+def test_percentages_of_moves_are_of_the_viewport_that_an_element_lies_in() -> None:
+    inner = f'<svg width="50" height="50" viewBox="0 0 100 100"><g style="translate: 10% 20%">{LINE}</g></svg>'
+    symbol = f'<symbol id="s" viewBox="0 0 40 40"><g style="translate: 50%">{LINE}</g></symbol>'
+    assert ends(inner) == [[[10, 15], [15, 15]]]
+    assert ends(f'{symbol}<use xlink:href="#s"/>') == [[[30, 10], [40, 10]]]
 
 
 def test_another_kind_of_document_is_refused() -> None:

@@ -101,6 +101,14 @@ def test_an_easel_is_equal_to_that_in_its_file(tmp_path: Path) -> None:
         (json.dumps({"corner": [0, 0, 0], "right": [1, 0, 0], "down": [0, 1, 0]}), "the paper faces away"),
         (json.dumps({"corner": [0, 0], "right": [1, 0, 0], "down": [0, -1, 0]}), "corner"),
         (
+            json.dumps({"corner": [0, 160, 0], "right": [1, 0, 0], "down": [0, -1, 0]}),
+            r"easel.json has its corner at 160 m; it must be at most 100, so divide millimetres by 1000",
+        ),
+        (
+            json.dumps({"corner": [0, -0.1, 0], "right": [1, 0, 0], "down": [0, -1, 0], "travel": 5}),
+            r"easel.json has its travel at 5 m; it must be at most 1, so divide millimetres by 1000",
+        ),
+        (
             json.dumps({"schema_version": 2, "corner": [0, 0, 0], "right": [1, 0, 0], "down": [0, -1, 0]}),
             "schema_version",
         ),

@@ -458,9 +458,17 @@ def test_a_setting_that_is_not_told_is_named() -> None:
         entered(Grbl(device.port))
 
 
-def test_a_machine_without_travel_has_no_limits() -> None:
-    sentence = r"the settings of the Grbl on \S+ leave no limits: .* has no room"
-    with FakeGrbl(settings={**SETTINGS, 131: 0}) as device, pytest.raises(InputError, match=sentence):
+@pytest.mark.parametrize(
+    ("number", "told"),
+    [
+        (131, r"travel along y \(\$131=0\); set \$131 to what it is, in mm"),
+        (112, r"speed along z \(\$112=0\); set \$112 to what it is, in mm/min"),
+        (120, r"acceleration along x \(\$120=0\); set \$120 to what it is, in mm/s²"),
+    ],
+)
+def test_a_machine_that_cannot_move_along_an_axis_says_which_setting_to_mend(number: int, told: str) -> None:
+    sentence = rf"^the Grbl on \S+ has no {told}$"
+    with FakeGrbl(settings={**SETTINGS, number: 0}) as device, pytest.raises(InputError, match=sentence):
         entered(Grbl(device.port))
 
 

@@ -80,7 +80,9 @@ def test_a_move_a_stroke_and_a_lift_to_no_number_are_refused(bad: float) -> None
 
 
 def test_a_stroke_needs_a_speed_for_each_point() -> None:
-    assert refused(lambda robot: robot.stroke(PATH, SLOW[:2])) == "there are 2 speeds for 3 points; give one per point"
+    for count, told in ((2, "2 speeds"), (1, "1 speed")):
+        said = refused(lambda robot, count=count: robot.stroke(PATH, SLOW[:count]))
+        assert said == f"a stroke has {told} for 3 points; give one per point"
 
 
 @pytest.mark.parametrize("speed", [0, -0.1, 0.3, np.nan])

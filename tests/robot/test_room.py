@@ -31,9 +31,11 @@ from maulstick.robot.robot import StoppedError
 from maulstick.robot.room import check_accepted
 from maulstick.robot.routine import Prompt, routine, ways_of
 from maulstick.robot.stops import Stops
+from maulstick.robot.tray import Well
 from maulstick.storage.arrays import Floats
 from tests.support.robot.recorder import Recorder
-from tests.support.robot.small_paintings import line, painting_of
+from tests.support.robot.small_paintings import SIX, line, painting_of
+from tests.support.robot.trays import TRAY
 
 DOWNWARDS = np.diag([1.0, -1.0, -1.0])
 LINES = painting_of([line(i, (0.01, 0.01 * i), (0.05, 0.01 * i)) for i in (1, 2, 3)])
@@ -65,6 +67,14 @@ def test_a_plan_that_lies_in_the_box_but_beyond_the_arm_is_refused_with_place_an
         "the base of the UR3e, whose wrist gets 498 mm from its axis at that height (and 2 more like it); move the "
         "sheet 450 mm nearer to the base"
     )
+
+
+def test_a_tray_is_moved_with_the_sheet_or_a_well_of_its_own() -> None:
+    with pytest.raises(InputError, match=r"; move the sheet and the tray \d+ mm nearer to the base$"):
+        routine(SIX, at(0.55, 0.6), UR3E, TRAY)
+    far = TRAY.model_copy(update={"water": Well(x=-0.9, y=0.0, height=0.0)})
+    with pytest.raises(InputError, match=r"^the rinse for paint 1, .* room: give the tray's file another place for"):
+        routine(SIX, at(0.3, 0.03), UR3E, far)
 
 
 def test_a_plan_that_lies_over_the_base_is_refused_with_where_to_lay_it() -> None:

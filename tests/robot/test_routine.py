@@ -65,6 +65,8 @@ def test_a_well_outside_the_workspace_is_refused() -> None:
     assert said.startswith(
         "the rinse for paint 1: the machine's x is 253 mm; it must be -100 to 200 mm: 53 mm less far"
     )
+    told = "give the tray's file another place for that well, or a lower clearance, or lay sheet and tray elsewhere"
+    assert said.endswith(f"; {told}")
 
 
 def test_a_clearance_above_the_workspace_is_refused() -> None:

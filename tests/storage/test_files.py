@@ -102,6 +102,19 @@ def test_a_folder_a_device_and_a_missing_folder_cannot_be_written(tmp_path: Path
     assert stat.S_ISCHR(os.stat("/dev/null").st_mode)
 
 
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("a\0.json", "cannot write a?.json: embedded null byte; choose another name"),
+        ("a\ud800.json", "cannot write a?.json: 'utf-8' codec can't encode .*; choose another name"),
+        ("a" * 300, "cannot write a+: its name is too long; choose a shorter one"),
+    ],
+)
+def test_a_name_that_no_file_can_have_is_one_line(name: str, text: str) -> None:
+    with pytest.raises(OutputError, match=f"^{text.replace('?', '[?]')}$"):
+        atomic_write(name, b"")
+
+
 def test_a_file_to_read_is_there_and_has_something_in_it(kept: Path) -> None:
     assert file_to_read(str(kept), "letter") == kept
 

@@ -101,6 +101,19 @@ def test_what_may_be_unexpected_of_a_plan_is_said_while_it_is_made_and_in_a_stud
     assert Plans(folder).of(made.name).notes == notes
 
 
+def test_a_plan_of_which_no_stroke_is_left_says_so_in_a_studio_opened_later_too(folder: Folder) -> None:
+    async def plan() -> Plan:
+        plans = Plans(folder)
+        plan = plans.add(request_with(ink="white", paints=None, style="elephant", brush="fineliner"))
+        await until(lambda: not plan.is_busy and not plans.doing)
+        return plan
+
+    made = asyncio.run(plan())
+    assert made.phase is Phase.PLANNED, made.why
+    assert made.notes[-1].startswith("no stroke is left, for none brings the sheet nearer")
+    assert Plans(folder).of(made.name).notes == made.notes
+
+
 def test_a_plan_that_is_stopped_keeps_what_there_is_and_goes_on_in_a_studio_opened_later(folder: Folder) -> None:
     async def stop() -> Plan:
         plans = Plans(folder)

@@ -137,6 +137,8 @@ class Painting(records.Painting):
             1
         """
         try:
+            if np.iscomplexobj(trajectory):
+                raise TypeError("it has complex numbers")
             points = np.asarray(trajectory, dtype=np.float64)
         except (TypeError, ValueError) as error:
             raise InputError(f"a trajectory is no array: {error}; it must be (n, 3) of x, y and pressure") from error

@@ -13,10 +13,11 @@ from maulstick.api.usual_torch import in_usual_torch
 from maulstick.api.warning import warn
 from maulstick.errors import InputError
 from maulstick.jobs.plan.again import Again
-from maulstick.jobs.plan.before import picture_near, planned_before
+from maulstick.jobs.plan.before import notes_on_files, picture_near, planned_before
 from maulstick.jobs.plan.options import PlanOptions
 from maulstick.jobs.plan.prepare import prepare
 from maulstick.jobs.plan.request import PlanRequest
+from maulstick.jobs.plan.results import notes_on
 from maulstick.kinds import check_names, checked
 from maulstick.painting import painting as records
 from maulstick.painting.brush import Brush, in_painting_order, load_brush, names_of
@@ -91,20 +92,24 @@ def plan(
             picture = path = picture_near(before.painting, Path(again))
     if picture is None and changes.get("text") is None and (options is None or options.text is None):
         raise InputError("there is nothing to paint; give a picture, or a text")
+    asked = replace(options or PlanOptions(), **changes)
     prepared = prepare(
-        PlanRequest(path, replace(options or PlanOptions(), **changes), workers=workers),
+        PlanRequest(path, asked, workers=workers),
         image,
         brushes=brushes,
         style=style if isinstance(style, Style) else None,
         again=before,
     )
-    for note in prepared.notes:
+    for note in (*prepared.notes, *(() if before is None else notes_on_files(before.painting, asked))):
         warn(note)
 
     def watch(step: PlanProgress) -> bool:
         return progress is None or progress(step) is not False
 
-    return Painting.of(prepared.painting(prepared.plan(watch, None)))
+    painting = Painting.of(prepared.painting(prepared.plan(watch, None)))
+    for note in notes_on(painting):
+        warn(note)
+    return painting
 
 
 @checked

@@ -5,13 +5,19 @@ from rich.table import Table
 from rich.text import Text
 
 from maulstick.robot.logbook import logbook_path, read_logbook, totals
+from maulstick.robot.machines import check_spec, is_simulated
 from maulstick.storage.text import counted
 
 
 def print_logbook(machine: str | None) -> None:
-    """Print what each pen has drawn, on a machine or on all where it is None."""
+    """Print what each pen has drawn, on a machine or on all where it is None.
+
+    Raises InputError for one that there is not, and of which there is no line.
+    """
     runs = [run for run in read_logbook() if machine in (None, run.machine)]
     if not runs:
+        if machine is not None and not is_simulated(machine):
+            check_spec(machine)
         nothing = "no real machine has painted" if machine is None else f"nothing was painted on {machine}"
         print(f"{nothing} so far (the simulated easel is not counted)")
         return

@@ -1,6 +1,5 @@
 """Reading an SVG's XML, safely, and the lengths in it."""
 
-import re
 from dataclasses import dataclass
 from math import hypot
 from pathlib import Path
@@ -10,11 +9,12 @@ from xml.etree.ElementTree import Element, ParseError
 from defusedxml import DefusedXmlException  # type: ignore[import-untyped]
 from svgelements import Matrix, Viewbox  # type: ignore[import-untyped]
 
-from maulstick.drawing.css import Style
-from maulstick.drawing.lengths import pixels
-from maulstick.drawing.transforms import transform_of
 from maulstick.errors import InputError
+from maulstick.recording.files.css import Style
+from maulstick.recording.files.lengths import pixels
 from maulstick.recording.files.markup import parsed
+from maulstick.recording.files.svg_paths import view_box
+from maulstick.recording.files.transforms import transform_of
 
 SVG_SPACE: Final = "http://www.w3.org/2000/svg"
 INKSCAPE: Final = "{http://www.inkscape.org/namespaces/inkscape}"
@@ -24,8 +24,6 @@ NO_PLACE: Final = "a point in it has no place: it is no number, or too large; me
 
 _SMALLEST, _LARGEST = 1e-2, 1e7  # pixels of a page's side: above the micrometre that lengths are rounded to; 2.6 km
 _PAGE = 1000.0  # pixels: each side of a page whose file does not say it, as vpype has it
-_NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
-_COORDINATE = re.compile(rf"({_NUMBER.pattern})\s*,?\s*")
 
 
 def parsed_svg(content: bytes, path: Path) -> Element:
@@ -43,21 +41,6 @@ def parsed_svg(content: bytes, path: Path) -> Element:
         raise InputError(f"{path} is not an SVG: {error}") from error
     except (ParseError, ValueError, LookupError) as error:
         raise InputError(f"{path} is not an SVG that can be read: {error}; save it again as plain SVG") from error
-
-
-def numbers(text: str | None) -> list[float]:
-    """Return all numbers in a text such as a viewBox."""
-    return [float(number) for number in _NUMBER.findall(text or "")]
-
-
-def coordinates(text: str) -> tuple[list[float], bool]:
-    """Return the coordinates of points up to a fault, x and y in turn, and whether there is no fault."""
-    read: list[float] = []
-    end = len(text) - len(text.lstrip())
-    while match := _COORDINATE.match(text, end):  # one expression for all of them would need 1 kB for each
-        read.append(float(match[1]))
-        end = match.end()
-    return read[: len(read) // 2 * 2], end == len(text) and len(read) % 2 == 0
 
 
 @dataclass(frozen=True)
@@ -125,12 +108,6 @@ def _length(text: str | None, otherwise: str, whole: float) -> float:
 def _side(text: str | None) -> float | None:
     """Return a side of the page in pixels, or None where it is no length, or of a whole that a page has not."""
     return None if (text or "").strip().endswith("%") else pixels(text)
-
-
-def view_box(element: Element) -> list[float] | None:
-    """Return the viewBox (x, y, width, height) of an element, or None where it has none that can be used."""
-    view = numbers(element.get("viewBox"))
-    return view if len(view) == 4 and view[2] > 0 and view[3] > 0 else None
 
 
 def viewed(element: Element, place: tuple[float, float, float, float]) -> tuple[Matrix, Viewport]:

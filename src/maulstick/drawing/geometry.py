@@ -6,14 +6,12 @@ from xml.etree.ElementTree import Element
 import numpy as np
 from svgelements import Ellipse, Path, Rect  # type: ignore[import-untyped]
 
-from maulstick.drawing.document import NO_PLACE, Viewport, coordinates
-from maulstick.drawing.lengths import pixels
+from maulstick.drawing.document import NO_PLACE, Viewport
 from maulstick.errors import InputError
+from maulstick.recording.files.lengths import pixels
 from maulstick.recording.files.markup import local_name
-from maulstick.recording.files.svg_paths import chains_of, is_whole
+from maulstick.recording.files.svg_paths import CORNERED, chains_of, coordinates, is_whole
 from maulstick.storage.arrays import Floats
-
-_CORNERED = ("polyline", "polygon")
 
 
 def outline(element: Element, viewport: Viewport) -> tuple[list[Floats], bool]:
@@ -24,14 +22,14 @@ def outline(element: Element, viewport: Viewport) -> tuple[list[Floats], bool]:
     tag = local_name(element)
     if tag == "path":
         return _path(element.get("d", ""))
-    if tag in _CORNERED:
+    if tag in CORNERED:
         return _cornered(element.get("points", ""), closed=tag == "polygon")
     return _OUTLINES[tag](element, viewport), True
 
 
 def is_shape(tag: str) -> bool:
     """Return whether elements of this name draw something by themselves."""
-    return tag == "path" or tag in _CORNERED or tag in _OUTLINES
+    return tag == "path" or tag in CORNERED or tag in _OUTLINES
 
 
 def _path(data: str) -> tuple[list[Floats], bool]:

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Self
 
-from maulstick.drawing.css import Rgb
 from maulstick.drawing.shapes import Group, Shape
 from maulstick.painting.painting import hex_colour
+from maulstick.recording.files.css import Rgb
 
 _BLACK: Rgb = (0.0, 0.0, 0.0)
 _WHITE: Rgb = (1.0, 1.0, 1.0)  # the paper's: hatching it shows nothing
@@ -59,21 +59,23 @@ class LayerName:
 class Pen:
     """Pen: its colour (sRGB in [0, 1]), the layer it draws, and the indices of its shapes.
 
+    is_own: whether that layer is one that a painting was written as.
     filled: indices of the shapes whose fill it hatches.
     """
 
     colour: Rgb
     layer: LayerName
+    is_own: bool
     drawn: list[int] = field(default_factory=list)
     filled: list[int] = field(default_factory=list)
 
     @property
     def name(self) -> str | None:
         """Name of the layer without what a painting's own layers have after theirs: the colour, and the brush."""
-        if self.layer.name is None:
-            return None
-        name, is_ours, _ = f" {self.layer.name} ".rpartition(f" {hex_colour(self.colour)} ")
-        return name.strip() or None if is_ours else self.layer.name
+        if self.layer.name is None or not self.is_own:
+            return self.layer.name
+        name, has_colour, _ = f" {self.layer.name} ".rpartition(f" {hex_colour(self.colour)} ")
+        return name.strip() or None if has_colour else self.layer.name
 
 
 def pens_of(shapes: Sequence[Shape], hatches: bool) -> list[Pen]:
@@ -90,9 +92,10 @@ def pens_of(shapes: Sequence[Shape], hatches: bool) -> list[Pen]:
     for index, (shape, ink) in enumerate(zip(shapes, inks, strict=True)):
         group = shape.group if by_group else None
         layer = layers.setdefault(group, LayerName.of(None if group is None else group.label))
+        is_own = group is not None and group.is_own
         if hatches and shape.fill is not None and shape.fill != _WHITE:
-            pens.setdefault((group, shape.fill), Pen(shape.fill, layer)).filled.append(index)
-        pens.setdefault((group, ink), Pen(ink, layer)).drawn.append(index)
+            pens.setdefault((group, shape.fill), Pen(shape.fill, layer, is_own)).filled.append(index)
+        pens.setdefault((group, ink), Pen(ink, layer, is_own)).drawn.append(index)
     return sorted(pens.values(), key=lambda pen: (pen.layer.number is None, pen.layer.number or 0))
 
 

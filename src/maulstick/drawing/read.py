@@ -11,7 +11,6 @@ from typing import Any, TypeVar
 import numpy as np
 from shapely.geometry.base import BaseGeometry
 
-from maulstick.drawing.css import Rgb
 from maulstick.drawing.document import parsed_svg
 from maulstick.drawing.hand import HatchingHand, hatched_by_hand
 from maulstick.drawing.layout import Layout
@@ -26,6 +25,7 @@ from maulstick.errors import InputError, option
 from maulstick.painting.brush import Brush, load_brush
 from maulstick.painting.painting import Paint, Painting, Provenance, Sheet, Stroke
 from maulstick.painting.svg import AXIDRAW_SPEED
+from maulstick.recording.files.css import Rgb
 from maulstick.recording.files.svg_paths import check_uses
 from maulstick.storage.arrays import Floats
 from maulstick.storage.files import read_whole

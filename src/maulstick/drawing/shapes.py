@@ -12,14 +12,16 @@ from xml.etree.ElementTree import Element
 import numpy as np
 from svgelements import Matrix  # type: ignore[import-untyped]
 
-from maulstick.drawing.css import GEOMETRY, MOVES, Rgb, Style, colour_of, inherited, is_zero, referred, unread
-from maulstick.drawing.document import INKSCAPE, SVG_SPACE, Page, Viewport, numbers, viewed
+from maulstick.drawing.document import INKSCAPE, SVG_SPACE, Page, Viewport, viewed
 from maulstick.drawing.geometry import is_shape, outline
 from maulstick.drawing.lines import bounds_of
-from maulstick.drawing.style_sheet import StyleSheet
-from maulstick.drawing.transforms import transform_of
 from maulstick.errors import InputError
+from maulstick.painting.svg import OWN_LAYER
+from maulstick.recording.files.css import GEOMETRY, MOVES, Rgb, Style, colour_of, inherited, is_zero, referred, unread
 from maulstick.recording.files.markup import local_name
+from maulstick.recording.files.style_sheet import StyleSheet
+from maulstick.recording.files.svg_paths import numbers
+from maulstick.recording.files.transforms import transform_of
 from maulstick.storage.arrays import Floats
 
 NEVER: Final = "%"
@@ -44,10 +46,14 @@ class Clip:
 
 @dataclass(frozen=True, eq=False)
 class Group:
-    """Group that may be a pen of its own: an Inkscape layer, or a group at the top; label: None where it has none."""
+    """Group that may be a pen of its own: an Inkscape layer, or a group at the top.
+
+    label: None where it has none.  is_own: whether it is a layer that a painting was written as.
+    """
 
     label: str | None
     is_layer: bool
+    is_own: bool
 
 
 @dataclass(frozen=True)
@@ -194,7 +200,9 @@ class Walk:
         is_layer = element.get(f"{INKSCAPE}groupmode") == "layer"
         if self._clipping or tag != "g" or not (is_layer or place.depth == 1):
             return None
-        return Group(element.get(f"{INKSCAPE}label") or element.get("id"), is_layer)
+        name = element.get("id")
+        is_own = is_layer and OWN_LAYER.fullmatch(name or "") is not None
+        return Group(element.get(f"{INKSCAPE}label") or name, is_layer, is_own)
 
     def _used(self, element: Element, place: _Place) -> Iterator[Shape]:
         link = element.get("href") or element.get("{http://www.w3.org/1999/xlink}href") or ""

@@ -1,5 +1,6 @@
 """SVG files for plotters, Inkscape and vpype: real millimetres, one layer per paint, one open path per stroke."""
 
+import re
 from collections.abc import Callable, Iterator, Sequence
 from itertools import groupby
 from typing import Final
@@ -15,6 +16,8 @@ from maulstick.storage.arrays import Floats
 AXIDRAW_SPEED: Final = 0.2
 """Metres per second that +S100 in a layer's name stands for."""
 
+OWN_LAYER: Final = re.compile(r"layer-[0-9]+")
+"""Ids of layers that are written here: the colour and the brush stand after the name in their labels."""
 
 _STEADY = 0.02  # range of pressure within a layer that nobody sees
 _DOT = 0.01  # mm: the length of a path that stands for one point, so that no program drops it

@@ -20,6 +20,7 @@ from maulstick.rendering.kernels.render import composite
 from maulstick.rendering.threads import one_torch_thread
 from maulstick.rendering.traj2stroke import Traj2Stroke
 from maulstick.storage.arrays import Floats
+from maulstick.storage.text import counted
 from maulstick.style import Style
 from maulstick.style.lengths import keep_lengths
 
@@ -203,11 +204,11 @@ class InkSupply:
         own, tones, share = self.tones(self.fewest), self.tones(strokes), strokes / self.fewest
         if not tones.compressed:
             return None
-        given = "stroke of this length gives" if strokes == 1 else "strokes of this length give"
+        given = counted(strokes, "stroke of this length gives", "strokes of this length give")
         return (
-            f"{strokes:,} {given} {share:.0%} of the ink that the picture needs: its tones, "
+            f"{given} {share:.0%} of the ink that the picture needs: its tones, "
             f"L* {own.darkest:.0f} to {own.lightest:.0f}, become {tones.darkest:.0f} to {tones.lightest:.0f}; "
-            f"{self.fewest:,} strokes would reach them"
+            f"{counted(self.fewest, 'stroke')} would reach them"
         )
 
 

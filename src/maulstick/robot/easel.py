@@ -6,10 +6,12 @@ from typing import Annotated, Literal, Self
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
+from maulstick.errors import InputError
 from maulstick.robot.limits import Limits, Point
 from maulstick.storage.arrays import Floats
 from maulstick.storage.records import read_record, write_record
 
+_FARTHEST = {"corner": 100.0, "travel": 1.0}  # metres: more is millimetres that were taken for metres
 _SQUARE = 1e-6  # tolerance of unit length and right angle; more than the rounding of a file's decimals
 _Finite = Annotated[float, Field(allow_inf_nan=False)]
 _Above = Annotated[float, Field(gt=0, allow_inf_nan=False)]
@@ -96,8 +98,13 @@ class Easel(BaseModel):
 
 
 def read_easel(path: str | Path) -> Easel:
-    """Read the easel in the file at `path`. Raises InputError where there is none."""
-    return read_record(Easel, path, "easel")
+    """Read the easel in the file at `path`. Raises InputError where there is none, or it is in millimetres."""
+    easel = read_record(Easel, path, "easel")
+    for name, length in (("corner", max(map(abs, easel.corner))), ("travel", easel.travel)):
+        if length > _FARTHEST[name]:
+            came = f"{path} has its {name} at {length:g} m"
+            raise InputError(f"{came}; it must be at most {_FARTHEST[name]:g}, so divide millimetres by 1000")
+    return easel
 
 
 def write_easel(easel: Easel, path: str | Path) -> None:

@@ -13,6 +13,7 @@ from maulstick.robot.easel import Easel
 from maulstick.robot.limits import Limits
 from maulstick.robot.stopping import Stopping
 from maulstick.storage.arrays import Floats
+from maulstick.storage.text import counted
 
 Result = TypeVar("Result")
 
@@ -162,7 +163,8 @@ class Robot(ABC):
         path, speed = np.asarray(path, dtype=np.float64), np.asarray(speed, dtype=np.float64)
         self.limits.check_path(path)
         if speed.shape != path.shape[:1]:
-            raise InputError(f"there are {speed.size} speeds for {len(path)} points; give one per point")
+            speeds, points = counted(speed.size, "speed"), counted(len(path), "point")
+            raise InputError(f"a stroke has {speeds} for {points}; give one per point")
         self.limits.check_speed(speed)
         if self._down:
             raise InputError("the pen is down already; lift it before the next stroke")

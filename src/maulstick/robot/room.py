@@ -25,6 +25,10 @@ _ELSEWHERE: Final = (
     f"{option('rotate')} or {option('size')}"
 )
 
+_TRAY_ELSEWHERE: Final = (
+    "give the tray's file another place for that well, or a lower clearance, or lay sheet and tray elsewhere"
+)
+
 
 @dataclass(frozen=True)
 class Way:
@@ -32,16 +36,18 @@ class Way:
 
     name: what it is for, as in ``stroke 12``.  path: (n, 3) places in the machine's frame, metres.
     speed: (k,) metres per second at most where the tip is lowered; None where it only goes over to the next place.
+    in_tray: whether it is in a well of the tray.
     """
 
     name: str
     path: Floats
     speed: Floats | None
+    in_tray: bool = False
 
 
 def check_room(ways: Sequence[Way], easel: Easel, limits: Limits) -> None:
     """Raise InputError where a way leaves the workspace or the reach, or is too fast, counting the others that do."""
-    faults: list[str] = []
+    faults: list[tuple[Way, str]] = []
     for way in ways:
         if way.speed is None:
             continue  # the workspace is a box: a straight way between two places of it lies in it
@@ -49,9 +55,10 @@ def check_room(ways: Sequence[Way], easel: Easel, limits: Limits) -> None:
             limits.check_path(way.path)
             limits.check_speed(way.speed)
         except InputError as error:
-            faults.append(f"{way.name}: {error}")
+            faults.append((way, f"{way.name}: {error}"))
     if faults:
-        raise InputError(f"{faults[0]}{_more(len(faults))}; {_ELSEWHERE}")
+        way, fault = faults[0]
+        raise InputError(f"{fault}{_more(len(faults))}; {_advice(way)}")
     if limits.reach is not None and ways:
         _check_reach(ways, easel, limits, limits.reach)
 
@@ -65,7 +72,7 @@ def _check_reach(ways: Sequence[Way], easel: Easel, limits: Limits, reach: Reach
     missed = [(way, place) for way, place in missed if way.speed is not None] or missed
     if missed:
         way, place = missed[0]
-        where = _elsewhere(_places(ways), limits.holds, _SHIFTS)
+        where = _elsewhere(ways, way, _places(ways), limits.holds, _SHIFTS)
         raise InputError(f"{_named(way, place, easel)} {reach.fault(place)}{_more(len(missed))}; {where}")
 
 
@@ -88,7 +95,7 @@ def check_accepted(ways: Sequence[Way], easel: Easel, robot: Robot) -> None:
         return robot.limits.holds(moved) and all(robot.accepts(place) for place in moved)
 
     first = np.concatenate([[refused], _spread(places)])
-    where = _elsewhere(places[first], accepts, _ASKED_SHIFTS)
+    where = _elsewhere(ways, ways[owner], places[first], accepts, _ASKED_SHIFTS)
     raise InputError(
         f"{_named(ways[owner], places[refused], easel)} is refused by the machine itself: by the range of a joint, a "
         f"singular pose, itself in its way, or a boundary that is set there; {where}"
@@ -124,12 +131,22 @@ def _spread(places: Floats) -> Ints:
     return np.unique(np.concatenate([nearest, farthest]))
 
 
-def _elsewhere(places: Floats, holds: Callable[[Floats], bool], shifts: Sequence[float]) -> str:
-    """Return what to do about a sheet: how far to move it along the line from the base to the middle of its places."""
+def _advice(way: Way) -> str:
+    return _TRAY_ELSEWHERE if way.in_tray else _ELSEWHERE
+
+
+def _elsewhere(
+    ways: Sequence[Way], missed: Way, places: Floats, holds: Callable[[Floats], bool], shifts: Sequence[float]
+) -> str:
+    """Return what to do about a way that is missed: how far to move the sheet, and with it the tray where there is one.
+
+    It is moved along the line from the base to the middle of the places (n, 3) of all ways.
+    """
+    what = "the sheet and the tray" if any(way.in_tray for way in ways) else "the sheet"
     middle = (places.min(axis=0) + places.max(axis=0))[:2] / 2
     distance = float(np.linalg.norm(middle))
     away = np.array([*middle, 0.0]) / distance if distance > _LEAST else np.array([1.0, 0.0, 0.0])
     for shift in shifts:
         if holds(places + shift * away):
-            return f"move the sheet {1e3 * abs(shift):.0f} mm {'farther from' if shift > 0 else 'nearer to'} the base"
-    return f"nowhere on its line from the base is there room: {_ELSEWHERE}"
+            return f"move {what} {1e3 * abs(shift):.0f} mm {'farther from' if shift > 0 else 'nearer to'} the base"
+    return f"nowhere on its line from the base is there room: {_advice(missed)}"

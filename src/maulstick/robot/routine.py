@@ -184,7 +184,8 @@ def ways_of(actions: Sequence[Action]) -> list[Way]:
         name = f"stroke {action.stroke}" if isinstance(action, Draw) else f"the {action.what} for paint {action.paint}"
         if ways:
             ways.append(Way(f"the way to {name}", _straight_over(ways[-1].path[-1], motion.start), None))
-        ways.append(Way(name, np.concatenate([[motion.start], motion.path, [motion.end]]), motion.speed))
+        path = np.concatenate([[motion.start], motion.path, [motion.end]])
+        ways.append(Way(name, path, motion.speed, in_tray=isinstance(action, TrayVisit)))
     return ways
 
 

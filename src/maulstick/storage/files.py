@@ -12,6 +12,7 @@ from pathlib import Path
 from filelock import FileLock, Timeout
 
 from maulstick.errors import InputError, OutputError
+from maulstick.storage.text import made_printable
 
 _REMEDY = {  # what to do, by the system's error
     errno.ENOSPC: "the disk is full; free some space and run again",
@@ -22,6 +23,7 @@ _REMEDY = {  # what to do, by the system's error
     errno.EROFS: "that disk can only be read; choose another folder",
     errno.ENOENT: "its folder does not exist; make the folder first",
     errno.ENOTDIR: "its folder is a file; choose another folder",
+    errno.ENAMETOOLONG: "its name is too long; choose a shorter one",
 }
 
 
@@ -81,11 +83,7 @@ def atomic_write(path: str | Path, content: bytes) -> None:
     The bytes go to a temporary file in the same folder and to the disk; then that file replaces the old one.
     Raises OutputError where that fails; the old file is then untouched and no temporary file is left behind.
     """
-    target = Path(path).resolve()  # a link goes on pointing where it did
-    if target.is_dir():
-        raise OutputError(f"cannot write {path}: it is a folder; name a file")
-    if target.exists() and not target.is_file():
-        raise OutputError(f"cannot write {path}: it is a device or a pipe; name a file")
+    target = _target(path)
     temporary = target.with_name(f".maulstick-{secrets.token_hex(8)}.part")
     try:
         with temporary.open("xb") as file:
@@ -95,11 +93,30 @@ def atomic_write(path: str | Path, content: bytes) -> None:
         temporary.replace(target)
         sync_folder(target.parent)
     except OSError as error:
-        remedy = _REMEDY.get(error.errno or 0, error.strerror or str(error))
-        raise OutputError(f"cannot write {path}: {remedy}") from error
+        raise _unwritable(path, error) from error
     finally:
         with suppress(OSError):  # it is gone, or its folder never was
             temporary.unlink()
+
+
+def _target(path: str | Path) -> Path:
+    """Return the file that is written, to which `path` may be a link. Raises OutputError where it can be none."""
+    try:
+        target = Path(path).resolve()  # a link goes on pointing where it did
+        is_folder, is_device = target.is_dir(), target.exists() and not target.is_file()
+    except OSError as error:
+        raise _unwritable(path, error) from error
+    except ValueError as error:  # of letters that no name of a file has
+        raise OutputError(f"cannot write {made_printable(str(path))}: {error}; choose another name") from error
+    if is_folder:
+        raise OutputError(f"cannot write {path}: it is a folder; name a file")
+    if is_device:
+        raise OutputError(f"cannot write {path}: it is a device or a pipe; name a file")
+    return target
+
+
+def _unwritable(path: str | Path, error: OSError) -> OutputError:
+    return OutputError(f"cannot write {path}: {_REMEDY.get(error.errno or 0, error.strerror or str(error))}")
 
 
 def append_whole(file: int, content: bytes) -> None:

@@ -17,5 +17,5 @@ def made_printable(text: str) -> str:
 
 
 def counted(number: int, what: str, several: str = "") -> str:
-    """Return a number of things in words, as "1 stroke" or "2 strokes"; several: where that is not with an s."""
-    return f"{number} {what if number == 1 else several or what + 's'}"
+    """Return a number of things in words, as "1 stroke" or "2,000 strokes"; several: where that is not with an s."""
+    return f"{number:,} {what if number == 1 else several or what + 's'}"

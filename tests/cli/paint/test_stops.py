@@ -162,11 +162,13 @@ def test_copies_have_a_sheet_and_a_journal_each(ten: Path, recorder: Recorder, m
     assert "put in a new sheet for copy 2 of 3, and press Enter" in ran.stderr
     assert [painted_by(ten, copy) for copy in (1, 2, 3)] == [set(range(1, 11))] * 3
     assert run("paint", ten, *GRBL).code == 2, "it was begun"
+    for own in ("ten.r1.json", "ten.r1.png", "ten.r2d2.png", "ten.r2.notes.txt", "ten.copy2d.log.jsonl"):
+        ten.with_name(own).touch()
     assert run("paint", ten, *GRBL, "--restart").code == 0
     assert not journal_of(ten, 2).exists()
     assert {path.name for path in (ten.parent / "ten.run1").iterdir()} == {
-        "ten.log.jsonl", "ten.copy2.log.jsonl", "ten.copy3.log.jsonl",
-    }  # fmt: skip
+        "ten.log.jsonl", "ten.copy2.log.jsonl", "ten.copy3.log.jsonl", "ten.r1.json", "ten.r1.png",
+    }, "a person's own files stay, however they are called"  # fmt: skip
 
 
 def test_a_machine_waits_for_sheets_where_the_first_run_began_wherever_it_was_stopped(

@@ -1,7 +1,7 @@
 """Planning from a terminal: progress bar, Ctrl-C, a video, and a file to go on from."""
 
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -18,7 +18,7 @@ from maulstick.jobs.plan.checkpoints import plan_with
 from maulstick.jobs.plan.prepare import prepare
 from maulstick.jobs.plan.prepared import Prepared
 from maulstick.jobs.plan.request import PlanRequest, state_files
-from maulstick.jobs.plan.results import RESULTS, write_results
+from maulstick.jobs.plan.results import RESULTS, notes_on, write_results
 from maulstick.painting.brush import finest_of
 from maulstick.painting.video import Video
 from maulstick.planning.result import PlanProgress
@@ -36,7 +36,7 @@ def begin(request: PlanRequest, out: Path) -> None:
     console, prepared = _console(), prepare(request)
     if request.video is not None and prepared.mural is not None:
         raise InputError("--video records one canvas, and this one is planned in windows; leave it out or lower --px")
-    _note(prepared, console)
+    _note(prepared.notes, console)
     _note_pale_lines(prepared, console)
     with made_folder(out):
         for file in state_files(out):  # of an earlier run, which is to be replaced
@@ -59,7 +59,7 @@ def go_on(out: Path, workers: int | None) -> None:
     prepared = prepare(request)
     request.check_unchanged(prepared.request.sums)
     console = _console()
-    _note(prepared, console)
+    _note(prepared.notes, console)
     _run(prepared, out, console)
 
 
@@ -86,6 +86,7 @@ def _run(prepared: Prepared, out: Path, console: Console) -> None:
         written = write_results(painting, out, video)
         stopped = not wanted()
     print_summary(painting, seconds, out, written)
+    _note(notes_on(painting), console)
     if not stopped:
         for file in state_files(out):
             file.unlink()
@@ -110,8 +111,8 @@ def _console() -> Console:
     return Console(stderr=True, markup=False, highlight=False)
 
 
-def _note(prepared: Prepared, console: Console) -> None:
-    for note in prepared.notes:
+def _note(notes: Iterable[str], console: Console) -> None:
+    for note in notes:
         console.print(f"note: {note}", soft_wrap=True)
 
 

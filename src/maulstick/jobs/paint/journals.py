@@ -1,8 +1,8 @@
 """Journals of a painting's sheets: a new one, and room for it."""
 
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
-from glob import escape
 from itertools import count
 from pathlib import Path
 
@@ -10,6 +10,8 @@ from maulstick.errors import InputError, OutputError, Remedy
 from maulstick.jobs.paint.options import PaintOptions
 from maulstick.robot.journal import Journal, begun_with, journal_of, locked, was_begun
 from maulstick.robot.machines import is_simulated
+
+_OF_A_RUN = r"(?:r[0-9]+\.(?:json|png)|copy[0-9]+\.log\.jsonl|eye\.npz)"  # ends of the names of what a run writes
 
 
 def check_own(painting: Path) -> None:
@@ -56,8 +58,8 @@ def _make_room(path: Path, stem: str) -> None:
     with locked(path):
         try:
             kept.mkdir()
-            beside = (*(escape(stem) + end for end in (".r[0-9]*.*", ".copy[0-9]*.log.jsonl", ".eye.npz")), path.name)
-            for old in [found for name in beside for found in path.parent.glob(name)]:
+            beside = re.compile(rf"{re.escape(stem)}\.{_OF_A_RUN}|{re.escape(path.name)}")
+            for old in [each for each in path.parent.iterdir() if beside.fullmatch(each.name)]:
                 old.rename(kept / old.name)
         except OSError as error:
             raise OutputError(f"cannot move {path} to {kept}: {error.strerror}; do, and run again") from error

@@ -111,7 +111,7 @@ class Again:
         if not (isclose(asked.width, own.width) and isclose(asked.height, own.height)):
             raise InputError(
                 f"the painting is on a sheet of {own.millimetres}, and {option('size')} asks for {asked.millimetres}; "
-                "leave it out, or plan anew"
+                "give the size of the painting, or plan anew"
             )
         return own if asked.picture is None else own.model_copy(update={"paper": asked.paper, "picture": asked.picture})
 

@@ -54,6 +54,16 @@ def kept_options(painting: Painting, given: Mapping[str, Any]) -> dict[str, Any]
     return kept
 
 
+def notes_on_files(painting: Painting, options: PlanOptions) -> list[str]:
+    """Return sentences for people on files that a painting was planned with, and that options for it leave out."""
+    were = {name: painting.provenance.options.get(name) for name in FILES if name not in _NOT_KEPT}
+    return [
+        f"it was planned with the file {file}, and these options leave that out; name it with {name} to keep it"
+        for name, file in were.items()
+        if file is not None and getattr(options, name) is None
+    ]
+
+
 def picture_near(painting: Painting, file: Path) -> Path | None:
     """Return the picture of a painting: of this folder, that of the painting's `file`, or the one above.
 

@@ -26,6 +26,7 @@ from maulstick.planning.schedule import REPLAN
 from maulstick.planning.state import State
 from maulstick.planning.tones import InkSupply, Tones
 from maulstick.robot.sheet_reach import sheet_fault
+from maulstick.storage.text import counted
 from maulstick.style import Style
 from maulstick.style.regional import RegionalStyle
 
@@ -87,8 +88,7 @@ class Prepared:
             notes.append(sheet_fault(self.request.options.robot, canvas.width, canvas.height) or None)
         if self.supply is not None:
             if self.request.options.strokes == AUTO:
-                strokes = self.settings.strokes
-                notes.append(f"{strokes:,} stroke{'' if strokes == 1 else 's'}, chosen for the picture's ink")
+                notes.append(f"{counted(self.settings.strokes, 'stroke')}, chosen for the picture's ink")
             notes.append(self.supply.note(self.strokes))
         if self.settings.in_ink:
             notes.append(self._crowded())
@@ -111,7 +111,7 @@ class Prepared:
         hand_size = f"{smaller * self.request.options.hand_size:.2g}"
         one = f"a hand size of {hand_size}" if float(hand_size) >= LEAST_HAND else "no hand size"
         return (
-            f"{strokes:,} {'stroke lies' if strokes == 1 else 'strokes lie'} {times:.0f} times as densely on this "
+            f"{counted(strokes, 'stroke lies', 'strokes lie')} {times:.0f} times as densely on this "
             f"sheet as the hand draws them; {one} would leave them the room they have there"
         )
 

@@ -1,4 +1,4 @@
-"""Results of planning: files, all together or none."""
+"""Results of planning: files, all together or none, and what is said of a painting that was planned."""
 
 import io
 from pathlib import Path
@@ -26,6 +26,16 @@ RESULTS: Final = (
 
 _PREVIEW_PX = 1024  # height of the preview: fills a screen
 _WIDEST_PX = 4096  # largest width of the preview, for sheets that are much wider than high
+
+
+def notes_on(painting: Painting) -> list[str]:
+    """Return sentences for people on a painting that was planned, and is other than they expect."""
+    if painting.strokes:
+        return []
+    return [
+        "no stroke is left, for none brings the sheet nearer to what is asked for; take inks or paints that show on "
+        "its paper, a picture that is not blank, or more or larger strokes"
+    ]
 
 
 def write_results(painting: Painting, out: Path, video: Video | None) -> list[str]:

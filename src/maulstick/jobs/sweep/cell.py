@@ -173,7 +173,7 @@ def _finish(folder: Path, wanted: Callable[[], bool]) -> None:
         raise _Stopped
     from maulstick.jobs.plan.checkpoints import plan_with  # these load torch
     from maulstick.jobs.plan.prepare import prepare
-    from maulstick.jobs.plan.results import write_results
+    from maulstick.jobs.plan.results import notes_on, write_results
     from maulstick.planning.result import PlanProgress
 
     record, request = read_cell(folder), _request(folder)
@@ -205,6 +205,7 @@ def _finish(folder: Path, wanted: Callable[[], bool]) -> None:
         keep_record()
         raise
     write_results(painting, folder, None)
+    notes += notes_on(painting)
     keep_record()
     for file in state_files(folder):
         file.unlink()

@@ -11,10 +11,12 @@ from maulstick.errors import InputError
 from maulstick.recording.files.curves import polylines
 from maulstick.recording.files.markup import METRES, local_name, parsed
 from maulstick.recording.files.page import Page
-from maulstick.recording.files.svg_paths import chains_of, check_uses, is_whole
+from maulstick.recording.files.svg_paths import CORNERED, chains_of, check_uses, coordinates, is_whole
+from maulstick.recording.files.svg_styles import write_styles
 from maulstick.storage.arrays import Floats
 
 _NEVER_DRAWN = ("symbol", "marker", "mask", "pattern", "clipPath")  # elements that are drawn only by reference
+_FAULTY = "faulty"  # attribute of elements whose points were cut at a fault
 _NEAR_EDGE = 0.5  # pixels from the page's edge that its paper may begin or end at: programs round lengths
 _LARGEST = 12 * 2**20  # characters, after every <use> is replaced: takes up to a minute
 
@@ -28,7 +30,9 @@ def read_svg(content: bytes) -> Page:
     """
     root = parsed(content, "svg")
     check_uses(root, _LARGEST)
+    write_styles(root)
     _hide(root)
+    _cut_at_faults(root)
     across, down = _metres(root.get("width")), _metres(root.get("height"))
     if across and down and root.get("viewBox") is None:  # without one svgelements swaps what 100 % of each side is
         root.set("viewBox", f"0 0 {across / METRES['px']} {down / METRES['px']}")
@@ -45,8 +49,7 @@ def read_svg(content: bytes) -> Page:
         raise InputError(f"{fault}; convert text and objects to paths in the drawing program")
     unit = across / width if across and down and width > 0 and height > 0 else None
     strokes = [_stroke(points) for points in polylines(chains)]
-    faulty = sum(not is_whole(str(shape.values.get("d", ""))) for shape in drawn if isinstance(shape, Path))
-    return Page(strokes, unit, None if unit is None else (width, height), "SVG", faulty)
+    return Page(strokes, unit, None if unit is None else (width, height), "SVG", sum(map(_is_faulty, drawn)))
 
 
 def _hide(root: Element) -> None:
@@ -57,6 +60,22 @@ def _hide(root: Element) -> None:
                 parent[index] = hidden = Element(str(child.tag).replace(local_name(child), "defs"))
                 child.tag = str(child.tag).replace(local_name(child), "g")
                 hidden.append(child)
+
+
+def _cut_at_faults(root: Element) -> None:
+    """Let polylines and polygons end before a fault in their points, as paths do; svgelements goes on behind it."""
+    for element in root.iter():
+        if local_name(element) in CORNERED:
+            sound, is_whole = coordinates(element.get("points", ""))
+            if not is_whole:
+                element.set("points", " ".join(map(repr, sound or [0.0, 0.0])))  # without any it would not be counted
+                element.set(_FAULTY, "")
+
+
+def _is_faulty(shape: Shape) -> bool:
+    """Return whether a shape is drawn no further than to a fault in its data."""
+    data = str(shape.values.get("d", "")) if isinstance(shape, Path) else ""
+    return _FAULTY in shape.values or not is_whole(data)
 
 
 def _is_visible(shape: Shape) -> bool:

@@ -1,7 +1,8 @@
-"""What readers of SVG share: paths as chains of cubic Béziers, and a bound on what <use> repeats."""
+"""What readers of SVG share: viewBoxes, paths as chains of cubic Béziers, points, and a bound on <use>."""
 
 import re
 from collections.abc import Iterator
+from typing import Final
 from xml.etree.ElementTree import Element
 
 import numpy as np
@@ -11,6 +12,11 @@ from maulstick.errors import InputError
 from maulstick.recording.files.markup import local_name
 from maulstick.storage.arrays import Floats
 
+CORNERED: Final = ("polyline", "polygon")
+"""Elements that are drawn through points."""
+
+_NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
+_COORDINATE = re.compile(rf"({_NUMBER.pattern})\s*,?\s*")
 _FOREIGN = re.compile(r"[^MmZzLlHhVvCcSsQqTtAaEe\d.,+\-\s]")  # to a path's data: svgelements ends there in silence
 _ELEMENT = 32  # characters that an element counts in addition to its attributes
 
@@ -30,6 +36,27 @@ def chains_of(path: Path) -> Iterator[Floats]:
 def is_whole(data: str) -> bool:
     """Return whether a path's data has nothing in it at which svgelements ends in silence."""
     return data.strip() == "none" or _FOREIGN.search(data) is None
+
+
+def numbers(text: str | None) -> list[float]:
+    """Return all numbers in a text such as a viewBox."""
+    return [float(number) for number in _NUMBER.findall(text or "")]
+
+
+def view_box(element: Element) -> list[float] | None:
+    """Return the viewBox (x, y, width, height) of an element, or None where it has none that can be used."""
+    view = numbers(element.get("viewBox"))
+    return view if len(view) == 4 and view[2] > 0 and view[3] > 0 else None
+
+
+def coordinates(text: str) -> tuple[list[float], bool]:
+    """Return the coordinates of points up to a fault, x and y in turn, and whether there is no fault."""
+    read: list[float] = []
+    end = len(text) - len(text.lstrip())
+    while match := _COORDINATE.match(text, end):  # one expression for all of them would need 1 kB for each
+        read.append(float(match[1]))
+        end = match.end()
+    return read[: len(read) // 2 * 2], end == len(text) and len(read) % 2 == 0
 
 
 def _cubics(segment: object) -> list[list[complex]]:

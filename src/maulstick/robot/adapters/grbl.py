@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from contextlib import closing, suppress
+from itertools import product
 from typing import Literal, final
 
 import numpy as np
@@ -9,6 +10,7 @@ from pydantic import ValidationError
 
 from maulstick.errors import InputError, MachineError, validation_fault
 from maulstick.robot.adapters.grbl_answers import (
+    MOVES,
     homing_seconds,
     is_zero_at_switches,
     own_limits,
@@ -236,9 +238,17 @@ class Grbl(KeepsOrigin, LetsGo, LocksItself, HasServo, OverridesSpeed):
         self._origin = origin
 
     def _check_modes(self, settings: dict[int, float]) -> None:
-        """Raise MachineError for settings that would make commands mean something else, InputError for a wrong pen."""
+        """Raise MachineError for settings that would make commands mean something else.
+
+        Raises InputError for those by which an axis does not move, and for a wrong pen.
+        """
         if settings[13]:
             raise MachineError(f"the Grbl on {self._port} reports in inches; send $13=0, then start again")
+        for (first, what, unit), (axis, name) in product(MOVES, enumerate("xyz")):
+            if settings[first + axis] <= 0:
+                setting = f"${first + axis}"
+                fault = f"the Grbl on {self._port} has no {what} along {name} ({setting}={settings[first + axis]:g})"
+                raise InputError(f"{fault}; set {setting} to what it is, in {unit}")
         self._servo_range, self._finds_home = (settings[31], settings[30]), bool(settings[22])
         if self._pen is None:
             return

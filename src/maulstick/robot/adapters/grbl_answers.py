@@ -77,6 +77,9 @@ REMEDIES: Final = {f"ALARM:{code}": Remedy.HOME for code in (1, 3, 6, 7)} | {
 }
 """What helps after some of them, where each front end says it its own way."""
 
+MOVES: Final = ((110, "speed", "mm/min"), (120, "acceleration", "mm/s²"), (130, "travel", "mm"))
+"""Settings by which an axis moves: the number of that of x, before those of y and z, what it is, and its unit."""
+
 
 @dataclass(frozen=True)
 class Status:

@@ -180,9 +180,9 @@ class Plans:
                 case Step():
                     plan.take(message)
                     plan.stepped.emit()
-                case Planned(metrics=metrics, weights=weights):
+                case Planned(metrics=metrics, weights=weights, notes=notes):
                     outcome = Phase.STOPPED if state_files(plan.folder) else Phase.PLANNED
-                    plan.metrics = metrics
+                    plan.metrics, plan.notes = metrics, (*plan.notes, *notes)
                     if weights != plan.request.options.weights:  # the last change came too late
                         plan.weigh(weights)
                     plan.write_story()

@@ -89,10 +89,12 @@ class Planned:
     """Last message of a plan that was finished or stopped.
 
     metrics: of the painting, for people.  weights: of the terms, by name, that it was planned with at last.
+    notes: further sentences for people on what is other than they expect.
     """
 
     metrics: tuple[str, ...]
     weights: Mapping[str, float]
+    notes: tuple[str, ...]
 
 
 def order_frame(folder: Path, number: int) -> Path:
@@ -159,13 +161,14 @@ def plan(line: Line, request: PlanRequest, folder: Path) -> None:
 
     Of a painting that is kept as it is, write the files that a plan has.
     """
-    from maulstick.jobs.plan.results import write_results  # these load torch, which the server goes without
+    from maulstick.jobs.plan.results import notes_on, write_results  # these load torch, which the server goes without
     from maulstick.jobs.plan.tries import best_of, seeds_of
 
     control = _Control(request.options.weights)
     watch = _Watch(line, control, request.tries)
     line.heard_by(control.hear, alone=control.leave)
     signal.signal(signal.SIGHUP, signal.SIG_IGN)  # a terminal that closes ends the studio, which is heard
+    notes: tuple[str, ...] = ()
     taken = "an earlier studio still works on this plan; try again in a minute"
     with held(folder / ".plan.lock", taken, f"cannot write into {folder}", "make room there", _PATIENCE):
         if (kept := folder / KEPT).is_file():
@@ -177,12 +180,13 @@ def plan(line: Line, request: PlanRequest, folder: Path) -> None:
                 if watch.is_stopped:
                     break
             painting = best_of(made)
+            notes = tuple(notes_on(painting))
         write_results(painting, folder, None)
         _write_order(painting, folder)
         if not watch.is_stopped:
             for file in (*state_files(folder), *map(partial(_try_file, folder), seeds_of(request))):
                 file.unlink(missing_ok=True)
-        line.say(Planned(_metrics(painting), control.weights))
+        line.say(Planned(_metrics(painting), control.weights, notes))
 
 
 def _tried(line: Line, request: PlanRequest, folder: Path, seed: int, watch: _Watch, control: _Control) -> Painting:

@@ -84,7 +84,7 @@ def facts(card: SvgCard) -> str:
     """Return the size, the paths, the length and the pens of a drawing, in one line."""
     width, height = card.sheet
     length = f"{1e3 * card.metres:.0f} mm" if card.metres < 1 else f"{card.metres:.1f} m"
-    paths = "1 path" if card.paths == 1 else f"{card.paths:,} paths"
+    paths = counted(card.paths, "path")
     pens = counted(card.pens, "pen")
     parts = (Sheet(width=width, height=height).millimetres, paths, length, pens)
     return ", ".join(part.replace(" ", "\N{NO-BREAK SPACE}") for part in parts)

@@ -5,14 +5,15 @@ from math import tau
 
 from svgelements import Matrix  # type: ignore[import-untyped]
 
-from maulstick.drawing.css import Style
-from maulstick.drawing.lengths import pixels
+from maulstick.recording.files.css import Style
+from maulstick.recording.files.lengths import pixels
 
 _PPI = 96  # pixels per inch, as CSS has it
 _SIDES = {"left": "0%", "top": "0%", "center": "50%", "right": "100%", "bottom": "100%"}
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?"
 _SHARE = re.compile(rf"({_NUMBER})(%?)")
-_TURN = re.compile(rf"(?:z\s+|0\s+0\s+1\s+)?({_NUMBER})(deg|grad|rad|turn)|0")
+_TURN = re.compile(rf"({_NUMBER})(deg|grad|rad|turn)|0")
+_OUT_OF_THE_PAGE = re.compile(r"^(?:z|0\s+0\s+1)\s+|\s+(?:z|0\s+0\s+1)$")  # the axis of a turn in it
 _WHOLE_TURN = {"deg": 360.0, "grad": 400.0, "rad": tau, "turn": 1.0}
 _NO_LENGTH = re.compile(rf"{_NUMBER}")  # which CSS takes for none, but 0
 
@@ -51,8 +52,8 @@ def _scaled(text: str) -> Matrix:
 
 
 def _turned(text: str) -> Matrix:
-    """Return the matrix of a property such as ``90deg`` or ``z .25turn``."""
-    match = _TURN.fullmatch(text.lower().strip())
+    """Return the matrix of a property such as ``90deg``, ``z .25turn`` or ``.25turn 0 0 1``."""
+    match = _TURN.fullmatch(_OUT_OF_THE_PAGE.sub("", text.lower().strip(), count=1))
     return (
         Matrix() if match is None or match[1] is None else Matrix.rotate(tau * float(match[1]) / _WHOLE_TURN[match[2]])
     )

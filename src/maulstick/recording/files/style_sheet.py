@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import NamedTuple, Self
 from xml.etree.ElementTree import Element
 
-from maulstick.drawing.css import MOVES, READ, Style, inherited
+from maulstick.recording.files.css import INHERITED, MOVES, READ, Style, inherited
 from maulstick.recording.files.markup import local_name
 
 _COMMENT = re.compile(r"/\*.*?\*/|<!--|-->", re.DOTALL)
@@ -107,7 +107,14 @@ class StyleSheet:
         for properties in (*(each.usual for each in declared), *(each.important for each in declared)):
             given |= properties
         said = {name: value.lower() if name in _OF_WORDS else value for name, value in given.items()}
-        return {name: value for name, value in said.items() if value.lower() not in ("inherit", "unset")}
+        for name in [name for name, value in said.items() if value.lower() == "inherit"]:
+            said[name] = self._parents_own(element, name)
+        return {name: value for name, value in said.items() if value.lower() != "unset"}
+
+    def _parents_own(self, element: Element, name: str) -> str:
+        """Return the property that the parent of an element itself has; what all inherit needs no word of its own."""
+        parent = self._parents.get(element)
+        return "unset" if name in INHERITED or parent is None else self.of(parent).get(name, "unset")
 
     def where_it_stands(self, element: Element) -> Style:
         """Return the style of an element by itself and all around it, and not by what refers to it."""
