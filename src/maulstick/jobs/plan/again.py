@@ -81,6 +81,21 @@ class Again:
         own = self.painting.brushes
         return in_painting_order([*own.values(), *(brush for brush in named if brush.name not in own)])
 
+    def usual(self, named: Sequence[Brush]) -> tuple[Brush, ...]:
+        """Return the brushes where a region says none: the painting's that were so before, and those that are named.
+
+        Raises InputError where one is named beside that of a painting in ink.
+        """
+        own, said = self.painting.brushes, self.painting.provenance.options.get("brush")
+        before = own if not isinstance(said, str) else [name for name in own if name in said.split(",")]
+        more = [brush for brush in named if brush.name not in before]
+        if more and before and is_in_ink(self.painting):
+            raise InputError(
+                f"the painting is drawn in ink with {','.join(before)}, and ink is drawn with one brush; leave out "
+                f"{option('brush')}, or plan anew"
+            )
+        return in_painting_order([*(own[name] for name in before), *more])
+
     def check_pressure(self, options: PlanOptions) -> None:
         """Raise InputError where a machine would hold a brush of the painting that it paints with any pressure."""
         varying = [brush.name for brush in self.painting.brushes.values() if brush.pressure_matters]
