@@ -25,7 +25,7 @@ from maulstick.planning.parameters import StrokeParameters
 from maulstick.planning.problem import Colour, Neighbours, PlannerSettings, PlanningProblem
 from maulstick.planning.regions import Regions
 from maulstick.planning.result import PlanResult
-from maulstick.robot.journal import Journal, journal_of, latest_sheet, was_begun
+from maulstick.robot.journal import Journal, latest_journal
 from maulstick.storage.arrays import Floats
 from maulstick.storage.text import counted
 from maulstick.strokes.strokes import resampled, standardise
@@ -55,10 +55,10 @@ class Again:
 
         Raises InputError for a journal that cannot be read, or was begun with another painting.
         """
-        if not was_begun(journal_of(file)):
+        if (latest := latest_journal(file)) is None:
             return cls(read_painting(file))
         try:
-            journal = Journal.read(journal_of(file, latest_sheet(file)))
+            journal = Journal.read(latest)
             painting = read_painting(journal.painting())
         except InputError as error:
             raise InputError(f"{error.fault}; move the journal away, and all strokes count as not painted") from error
