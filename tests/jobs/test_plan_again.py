@@ -185,6 +185,38 @@ def test_strokes_get_a_brush_that_their_region_uses(folder: Path, changed: Paint
     assert used == {("left", "fineliner"), ("rest", "marker")}
 
 
+def test_brushes_of_regions_stay_theirs_and_a_brush_that_joins_leaves_strokes_elsewhere_theirs(
+    folder: Path, tmp_path: Path
+) -> None:
+    Image.fromarray(np.tile(np.array([[[255, 0, 0]], [[255, 255, 255]]], np.uint8), (1, 2, 1))).save(
+        tmp_path / "map.png"
+    )
+    (tmp_path / "map.toml").write_text('[top]\ncolour = "#ff0000"\nbrush = "fineliner"\nshare = 0.5\n')
+    files: dict[str, Any] = {"regions": tmp_path / "map.png", "say": tmp_path / "map.toml"}
+    quick: dict[str, Any] = {"strokes": 24, "paints": 3, "steps": 4, "px": 48, "size": SIDE, "brush": "marker"}
+    painting = ms.plan(folder / "disc.png", **quick, **files)
+    assert brushes_of_regions(painting) == {("top", "fineliner"), ("rest", "marker")}
+    write_painting(painting, tmp_path / "painting.json")
+    options = planned_before(painting, {**files, "again": tmp_path / "painting.json"})
+    assert options.brush == "marker"
+    after = prepare(PlanRequest(folder / "disc.png", replace(options, brush="wash")))
+    assert after.again is not None
+    names = [after.brushes[number].name for number in after.again.start(after.problem).brush_of.tolist()]
+    assert names == [painting.paints[stroke.paint].brush for stroke in painting.strokes]
+    assert after.provenance.options["brush"] == "wash,marker"
+
+
+def brushes_of_regions(painting: Painting) -> set[tuple[str | None, str]]:
+    return {(stroke.region, painting.paints[stroke.paint].brush) for stroke in painting.strokes}
+
+
+def test_a_second_brush_is_refused_for_a_drawing_in_ink_by_what_it_is_drawn_with(folder: Path) -> None:
+    quick: dict[str, Any] = {"strokes": 6, "steps": 2, "px": 24, "size": SIDE}
+    drawing = ms.plan(folder / "disc.png", brush="fineliner", ink="black", **quick)
+    with pytest.raises(InputError, match="in ink with fineliner, and ink is drawn with one brush; leave out brush"):
+        ms.plan(folder / "disc.png", again=drawing, brush="marker")
+
+
 def test_the_camera_leaves_locked_strokes_alone_too(changed: Painting) -> None:
     sheet = np.ones((48, 48, 3), dtype=np.float32)
     plain = [stroke for stroke in changed.strokes if stroke.origin == "planned"]

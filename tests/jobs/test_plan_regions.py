@@ -310,6 +310,16 @@ def test_files_of_a_brush_and_a_hand_lie_beside_what_names_them_wherever_one_is(
     assert regions.said[1].hand.hash == exemplar_of(line).hash
 
 
+def test_shares_that_are_one_together_are_taken_though_a_sum_of_doubles_may_say_more(folder: Path) -> None:
+    shares = (0.33, 0.56, 0.11)
+    assert sum(shares) > 1
+    said = zip("abc", QUARTERS, shares, strict=False)
+    say = "".join(f"[{name}]\ncolour = '{colour}'\nshare = {share}\n" for name, colour, share in said)
+    regions = prepared_with(folder, say).problem.regions
+    assert regions is not None
+    assert regions.counts(100) == [33, 56, 11, 0]
+
+
 @pytest.mark.parametrize(
     ("say", "text"),
     [

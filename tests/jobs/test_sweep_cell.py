@@ -66,6 +66,10 @@ def test_a_journal_that_went_on_makes_a_cell_anew(request_here: PlanRequest, tmp
     assert begin(tmp_path / "cell", summed(on_paper)) is None
     journal_of(painting).write_text(json.dumps({"stroke": 2}))
     assert begin(tmp_path / "cell", summed(on_paper)) == "journal"
+    for stroke in (1, 2):
+        journal_of(painting, copy=2).write_text(json.dumps({"stroke": stroke}))
+        assert begin(tmp_path / "cell", summed(on_paper)) == "journal", "that of the latest sheet"
+        assert begin(tmp_path / "cell", summed(on_paper)) is None
 
 
 def test_a_brush_or_a_style_of_a_region_that_changed_makes_a_cell_anew(

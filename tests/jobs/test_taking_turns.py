@@ -9,6 +9,8 @@ from PIL import Image, ImageDraw
 
 import maulstick as ms
 from maulstick.errors import InputError
+from maulstick.jobs.plan.options import PlanOptions
+from maulstick.jobs.plan.request import PlanRequest
 from maulstick.painting.painting import Painting
 from maulstick.painting.painting_file import read_painting, write_painting
 from maulstick.painting.stroke_edits import LockStrokes, edited
@@ -108,3 +110,18 @@ def test_the_journal_of_another_painting_says_nothing(turn: Path, before: Painti
     write_painting(before.model_copy(update={"strokes": before.strokes[1:]}), tmp_path / "painting.json")
     with pytest.raises(InputError, match="was begun with; move the journal away"):
         ms.plan(turn / "disc.png", again=tmp_path / "painting.json", background=turn / "sheet.png", steps=1)
+
+
+def test_a_plan_does_not_go_on_once_more_of_its_painting_is_on_paper(
+    turn: Path, before: Painting, tmp_path: Path
+) -> None:
+    file = tmp_path / "painting.json"
+    write_painting(before, file)
+    request = PlanRequest(turn / "disc.png", PlanOptions(again=file, background=turn / "sheet.png"))
+    for sheet in (1, 2):
+        began = request.with_sums({})
+        began.check_unchanged(request.with_sums({}).sums)
+        with Journal.open(journal_of(file, sheet)) as journal:
+            journal.revise(file)
+        with pytest.raises(InputError, match=f"{journal_of(file, sheet).name} has changed since planning began"):
+            began.check_unchanged(request.with_sums({}).sums)

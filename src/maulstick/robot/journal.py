@@ -121,6 +121,11 @@ def latest_sheet(painting: Path) -> int:
     return next(number for number in count(1) if not was_begun(journal_of(painting, number + 1)))
 
 
+def latest_journal(painting: Path) -> Path | None:
+    """Return the path of the journal of the latest sheet, None where none was begun. Raises as `was_begun` does."""
+    return journal_of(painting, latest_sheet(painting)) if was_begun(journal_of(painting)) else None
+
+
 @contextmanager
 def locked(path: Path) -> Iterator[None]:
     """Lock the journal at `path`, whatever is in it, against other processes while the context lasts.

@@ -25,7 +25,7 @@ from maulstick.planning.parameters import StrokeParameters
 from maulstick.planning.problem import Colour, Neighbours, PlannerSettings, PlanningProblem
 from maulstick.planning.regions import Regions
 from maulstick.planning.result import PlanResult
-from maulstick.robot.journal import Journal, journal_of, latest_sheet, was_begun
+from maulstick.robot.journal import Journal, latest_journal
 from maulstick.storage.arrays import Floats
 from maulstick.storage.text import counted
 from maulstick.strokes.strokes import resampled, standardise
@@ -55,10 +55,10 @@ class Again:
 
         Raises InputError for a journal that cannot be read, or was begun with another painting.
         """
-        if not was_begun(journal_of(file)):
+        if (latest := latest_journal(file)) is None:
             return cls(read_painting(file))
         try:
-            journal = Journal.read(journal_of(file, latest_sheet(file)))
+            journal = Journal.read(latest)
             painting = read_painting(journal.painting())
         except InputError as error:
             raise InputError(f"{error.fault}; move the journal away, and all strokes count as not painted") from error
@@ -80,6 +80,21 @@ class Again:
         """Return the painting's brushes, and those that are named and not among them, the broadest first."""
         own = self.painting.brushes
         return in_painting_order([*own.values(), *(brush for brush in named if brush.name not in own)])
+
+    def usual(self, named: Sequence[Brush]) -> tuple[Brush, ...]:
+        """Return the brushes where a region says none: the painting's that were so before, and those that are named.
+
+        Raises InputError where one is named beside that of a painting in ink.
+        """
+        own, said = self.painting.brushes, self.painting.provenance.options.get("brush")
+        before = own if not isinstance(said, str) else [name for name in own if name in said.split(",")]
+        more = [brush for brush in named if brush.name not in before]
+        if more and before and is_in_ink(self.painting):
+            raise InputError(
+                f"the painting is drawn in ink with {','.join(before)}, and ink is drawn with one brush; leave out "
+                f"{option('brush')}, or plan anew"
+            )
+        return in_painting_order([*(own[name] for name in before), *more])
 
     def check_pressure(self, options: PlanOptions) -> None:
         """Raise InputError where a machine would hold a brush of the painting that it paints with any pressure."""

@@ -55,6 +55,8 @@ def prepare(
     margin = parse_margin(options.margin, (sheet.width, sheet.height))
     directing = Directing(options, (sheet.height, sheet.width) if picture is None else picture.shape, margin)
     usual = brushes or load_brushes(options.brush, None if again is None else again.painting.brushes)
+    if again is not None:
+        usual = again.usual(usual)
     brushes, is_held = _held(directing.brushes(usual), options)
     if again is not None:
         again.check_pressure(options)
@@ -120,7 +122,7 @@ def prepare(
         }
     )
     weights = loss_options.weights_to_keep(has_picture=picture is not None)
-    used = {"brush": names_of(brushes), "style": style.name, "weights": weights, "device": device.device.type}
+    used = {"brush": names_of(usual), "style": style.name, "weights": weights, "device": device.device.type}
     of_guides: dict[str, JsonValue] = {"painted_guides": directing.painted_sum} if options.guides else {}
     settled = of_guides if again is None else again.settled
     name = request.picture.name if request.picture is not None else None

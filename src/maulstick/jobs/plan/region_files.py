@@ -1,7 +1,7 @@
 """Files of regions: a map of the picture in colours, and a TOML file that says what holds in each."""
 
 from collections.abc import Sequence
-from math import radians
+from math import fsum, radians
 from pathlib import Path
 
 import numpy as np
@@ -90,7 +90,7 @@ class RegionFiles:
         there = [regions[number] for number in np.unique(labels).tolist()]
         if all(region.bare for region in there):
             raise InputError(f"{self._say} leaves all of the sheet bare; leave some of it to be painted")
-        if sum(region.share or 0 for region in there) > 1:
+        if fsum(region.share or 0 for region in there) > 1:
             raise InputError(f"{self._say}: the shares of all regions are more than 1; lower some")
         return Regions(self._softened(labels, list(self._said.values()), canvas), regions, canvas)
 

@@ -2,7 +2,7 @@
 
 import hashlib
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field, replace
 from importlib.resources import files
 from pathlib import Path
@@ -14,7 +14,7 @@ from maulstick.errors import InputError, option, validation_fault
 from maulstick.jobs.plan.options import FILES, MOST_SEED, PlanOptions
 from maulstick.kinds import check_whole
 from maulstick.painting.video import Video
-from maulstick.robot.journal import journal_of
+from maulstick.robot.journal import latest_journal
 from maulstick.storage.files import file_sum
 
 MOST_TRIES: Final = 64
@@ -89,13 +89,16 @@ class PlanRequest:
             fault = validation_fault(error)
             raise InputError(f"{source} is of another version of Maulstick: {fault}; plan anew") from error
 
-    def check_unchanged(self, sums: dict[str, str]) -> None:
+    def changed_in(self, sums: Mapping[str, str]) -> str | None:
+        """Return the name of the first file, the brush or the style whose sum is another now, or None."""
+        return next((name for name in {**sums, **self.sums} if sums.get(name) != self.sums.get(name)), None)
+
+    def check_unchanged(self, sums: Mapping[str, str]) -> None:
         """Raise InputError where a file, the brush or the style is no longer what it was when planning began."""
-        for name, was in self.sums.items():
-            if sums.get(name) != was:
-                raise InputError(
-                    f"{name} has changed since planning began; put it back, or plan anew with {option('overwrite')}"
-                )
+        if (name := self.changed_in(sums)) is not None:
+            raise InputError(
+                f"{name} has changed since planning began; put it back, or plan anew with {option('overwrite')}"
+            )
 
     @property
     def files(self) -> list[Path]:
@@ -107,8 +110,7 @@ class PlanRequest:
     def _journal(self) -> Path | None:
         if self.options.again is None or self.options.background is None:
             return None
-        journal = journal_of(self.options.again)
-        return journal if journal.exists() else None
+        return latest_journal(self.options.again)
 
 
 def demo_picture() -> Path:

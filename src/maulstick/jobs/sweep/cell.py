@@ -217,8 +217,7 @@ def _check_files(request: PlanRequest, sums: Mapping[str, str]) -> None:
     sums: of the files that the plan read, by their paths.
     """
     now = summed(request, lambda path: sums.get(str(path)) or file_sum(path)).sums
-    changed = next((name for name, was in request.sums.items() if now.get(name) != was), None)
-    if changed is not None:
+    if (changed := request.changed_in(now)) is not None:
         raise InputError(f"{changed} has changed since the sweep began; sweep again")
 
 

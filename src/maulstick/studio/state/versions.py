@@ -11,7 +11,7 @@ from pydantic import BaseModel, ConfigDict
 from maulstick.errors import InputError
 from maulstick.jobs.plan.options import MOST_STROKES, PlanOptions
 from maulstick.jobs.plan.request import PlanRequest
-from maulstick.robot.journal import Journal, journal_of, latest_sheet, was_begun
+from maulstick.robot.journal import Journal, journal_of, latest_journal
 from maulstick.storage.files import atomic_write
 from maulstick.storage.records import read_record, write_record
 from maulstick.studio.state.titles import MOST_LETTERS, clean_title
@@ -89,9 +89,9 @@ def painted_of(painting: Path) -> frozenset[int]:
 
     Raises InputError where a camera's looks have planned it again since, so that its strokes are others.
     """
-    if not was_begun(journal_of(painting)):
+    if (latest := latest_journal(painting)) is None:
         return frozenset()
-    journal = Journal.read(journal_of(painting, latest_sheet(painting)))
+    journal = Journal.read(latest)
     if journal.painting() != painting:
         raise InputError(
             "the camera has had this planned again while it was painted, so other strokes are on the sheet; plan the "
