@@ -167,3 +167,12 @@ def test_a_page_has_the_size_that_its_style_says(read: Read, page: str) -> None:
     drawing = read('<path d="M0 0L100 50"/>', f'viewBox="0 0 100 50" {page}')
     assert points(drawing) == [[[0, 0], [90, 45]]]
     assert drawing.notes == ()
+
+
+def test_what_every_element_is_to_inherit_is_the_outermost_ones_own_however_deep_they_lie() -> None:
+    depth, sheet = 60, "* { translate: inherit; rotate: inherit; margin: inherit; padding: inherit }"
+    root = fromstring(f'<svg style="translate: 1px"><style>{sheet}</style>{"<g>" * depth}<path/>{"</g>" * depth}</svg>')
+    (path,) = root.iter("path")
+    assert {name: StyleSheet(root).of(path).get(name) for name in ("translate", "rotate")} == {
+        "translate": "1px", "rotate": None,
+    }  # fmt: skip
