@@ -153,6 +153,15 @@ def test_a_rectangle_that_is_the_pages_paper_is_no_stroke(root: str) -> None:
         svg(paper.format("100", ""), root)
 
 
+def test_rules_for_the_outermost_element_count_for_what_is_in_it() -> None:
+    frame, root = '<rect width="100" height="50"/>', f'{SHEET} id="page" class="a"'
+    for selector in ("svg", ".a", "#page", "svg.a"):
+        assert len(svg(f"<style>{selector} {{ stroke: black }}</style>{frame}", root).strokes) == 1
+        for rule in ("visibility: hidden", "display: none"):
+            with pytest.raises(InputError, match="there is no path or shape in it"):
+                svg(f"<style>{selector} {{ {rule} }}</style>{frame}", root)
+
+
 def test_where_no_page_is_stated_no_rectangle_is_its_paper() -> None:
     assert len(svg('<rect width="2000" height="2000" fill="white"/>', "").strokes) == 1
 

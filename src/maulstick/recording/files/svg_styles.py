@@ -2,7 +2,7 @@
 
 from xml.etree.ElementTree import Element
 
-from maulstick.recording.files.css import GEOMETRY, MOVES, READ
+from maulstick.recording.files.css import GEOMETRY, INHERITED, MOVES, READ
 from maulstick.recording.files.lengths import pixels
 from maulstick.recording.files.markup import local_name
 from maulstick.recording.files.style_sheet import StyleSheet
@@ -22,6 +22,7 @@ def write_styles(root: Element) -> None:
     """
     sheet = StyleSheet(root)
     styles = {element: sheet.of(element) for element in root.iter()}
+    root.attrib.update({name: styles[root][name] for name in (*INHERITED, "display") if name in styles[root]})
     _write(root, styles, _viewport(root, (0.0, 0.0)))
 
 
