@@ -22,6 +22,13 @@ def test_rules_count_only_where_they_are_for_every_screen(read: Read) -> None:
     assert labels(read(body)) == ["#ff0000", "#0000ff"]
 
 
+def test_a_comment_in_a_style_attribute_is_no_part_of_a_name_or_a_value(read: Read) -> None:
+    style = "/* pen; ink: */ stroke: red/**/; stroke-width: 2; fill: none /* paper */"
+    path = fromstring(f'<path style="{style}"/>')
+    assert StyleSheet(path).of(path) == {"stroke": "red", "stroke-width": "2", "fill": "none"}
+    assert labels(read(f'<path style="{style}" d="M0 0h9"/>')) == ["#ff0000"]
+
+
 def test_a_rule_after_a_block_that_does_not_count_is_read(read: Read) -> None:
     assert points(read(f"<style>@media print {{ .a {{ display: none }} }} .b {{ display: none }}</style>{LINES}")) == [
         [[0, 0], [9, 0]]

@@ -111,7 +111,7 @@ class StyleSheet:
             keys = {"*"} | self._names[element] | self._around[element]
             found = [rule for key in keys for rule in self._rules.get(key, ()) if self._is_of(rule.selector, element)]
             declared = [rule.declared for rule in sorted(found, key=lambda rule: rule.weight)]
-        declared.append(_declared(element.get("style", "")))
+        declared.append(_declared(_COMMENT.sub("", element.get("style", ""))))
         for properties in (*(each.usual for each in declared), *(each.important for each in declared)):
             given |= properties
         return {name: value.lower() if name in _OF_WORDS else value for name, value in given.items()}
