@@ -220,6 +220,14 @@ def test_percentages_of_moves_are_of_the_viewport_that_an_element_lies_in() -> N
     assert ends(f'{symbol}<use xlink:href="#s"/>') == [[[30, 10], [40, 10]]]
 
 
+@pytest.mark.parametrize("root", ["", 'width="100%" height="100%"'])
+def test_percentages_of_moves_on_a_page_without_a_size_are_of_a_thousand_pixels_as_those_of_shapes(root: str) -> None:
+    body = f'<g style="translate: 10% 20%">{LINE}</g><line x1="10%" y1="20%" x2="20%" y2="20%"/>'
+    moved, line = (stroke[[0, -1], 1:3].tolist() for stroke in svg(body, root).strokes)
+    assert moved == [[110, 210], [120, 210]]
+    assert line == [[100, 200], [200, 200]]
+
+
 def test_another_kind_of_document_is_refused() -> None:
     with pytest.raises(InputError, match="its outermost element is <html>; it must be <svg>"):
         read_svg(b"<html/>")

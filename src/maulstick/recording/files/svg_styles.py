@@ -6,7 +6,7 @@ from maulstick.recording.files.css import GEOMETRY, INHERITED, MOVES, READ
 from maulstick.recording.files.lengths import pixels
 from maulstick.recording.files.markup import local_name
 from maulstick.recording.files.style_sheet import StyleSheet
-from maulstick.recording.files.svg_paths import view_box
+from maulstick.recording.files.svg_paths import PAGE, view_box
 from maulstick.recording.files.transforms import transform_of
 
 _MOVED = MOVES | {"transform-origin"}  # properties for which a transform is written anew
@@ -23,7 +23,7 @@ def write_styles(root: Element) -> None:
     sheet = StyleSheet(root)
     styles = {element: sheet.of(element) for element in root.iter()}
     root.attrib.update({name: styles[root][name] for name in (*INHERITED, "display") if name in styles[root]})
-    _write(root, styles, _viewport(root, (0.0, 0.0)))
+    _write(root, styles, _viewport(root, (PAGE, PAGE)))
 
 
 def _write(parent: Element, styles: dict[Element, dict[str, str]], size: Size) -> None:
