@@ -62,7 +62,7 @@ def test_ink_and_plot_go_here_under_the_takes_name_and_all_is_told(record: Path)
     assert (ran.code, ran.stderr) == (0, "")
     lines = ran.stdout.splitlines()
     assert lines[0] == "the tip is 139mm from the rigid body along -y"
-    assert lines[1].startswith(f"{len(SIMULATED.take)} frames in ")
+    assert lines[1].startswith(f"{len(SIMULATED.take):,} frames in ")
     assert "5 strokes, 0." in lines[-3]
     assert lines[-2:] == ["cat.ink.npz", "cat.contact.png"]
     assert sorted(path.name for path in Path.cwd().iterdir()) == ["cat.contact.png", "cat.ink.npz"]

@@ -2,6 +2,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+import vpype
 
 from maulstick.drawing.options import DrawingOptions
 from maulstick.drawing.pens import LayerName
@@ -166,6 +167,16 @@ def test_names_of_layers_stay_as_they_are_however_often_a_drawing_is_exported_an
     once = svg(painting)
     (tmp_path / "again.svg").write_text(once)
     assert svg(read_drawing(tmp_path / "again.svg", DrawingOptions(keep_order=True)).painting) == once
+
+
+def test_names_of_layers_stay_as_they_are_where_vpype_passes_them_on(read: Read, tmp_path: Path) -> None:
+    painting = read(layer("1 bright ochre", path(1, "#d09a5a")) + layer("2 #123456", path(5, "#123456"))).painting
+    (tmp_path / "ours.svg").write_text(painting_svg(painting))
+    document = vpype.read_multilayer_svg(str(tmp_path / "ours.svg"), quantization=0.1)
+    with (tmp_path / "theirs.svg").open("w") as file:
+        vpype.write_svg(file, document, source_string="vpype read ours.svg write theirs.svg\n")  # as its command does
+    passed_on = read_drawing(tmp_path / "theirs.svg", DrawingOptions(keep_order=True)).painting
+    assert [paint.name for paint in passed_on.paints] == [paint.name for paint in painting.paints]
 
 
 def test_what_somebody_else_writes_after_a_layers_colour_stays_in_its_name(read: Read) -> None:

@@ -22,6 +22,13 @@ def test_rules_count_only_where_they_are_for_every_screen(read: Read) -> None:
     assert labels(read(body)) == ["#ff0000", "#0000ff"]
 
 
+def test_a_comment_in_a_style_attribute_is_no_part_of_a_name_or_a_value(read: Read) -> None:
+    style = "/* pen; ink: */ stroke: red/**/; stroke-width: 2; fill: none /* paper */"
+    path = fromstring(f'<path style="{style}"/>')
+    assert StyleSheet(path).of(path) == {"stroke": "red", "stroke-width": "2", "fill": "none"}
+    assert labels(read(f'<path style="{style}" d="M0 0h9"/>')) == ["#ff0000"]
+
+
 def test_a_rule_after_a_block_that_does_not_count_is_read(read: Read) -> None:
     assert points(read(f"<style>@media print {{ .a {{ display: none }} }} .b {{ display: none }}</style>{LINES}")) == [
         [[0, 0], [9, 0]]
@@ -167,3 +174,12 @@ def test_a_page_has_the_size_that_its_style_says(read: Read, page: str) -> None:
     drawing = read('<path d="M0 0L100 50"/>', f'viewBox="0 0 100 50" {page}')
     assert points(drawing) == [[[0, 0], [90, 45]]]
     assert drawing.notes == ()
+
+
+def test_what_every_element_is_to_inherit_is_the_outermost_ones_own_however_deep_they_lie() -> None:
+    depth, sheet = 60, "* { translate: inherit; rotate: inherit; margin: inherit; padding: inherit }"
+    root = fromstring(f'<svg style="translate: 1px"><style>{sheet}</style>{"<g>" * depth}<path/>{"</g>" * depth}</svg>')
+    (path,) = root.iter("path")
+    assert {name: StyleSheet(root).of(path).get(name) for name in ("translate", "rotate")} == {
+        "translate": "1px", "rotate": None,
+    }  # fmt: skip

@@ -113,7 +113,7 @@ def test_each_decision_is_in_the_summary() -> None:
     assert merged > 1
     assert dropped > 1
     starts = (
-        f"{len(take)} frames in {take.times[-1]:.1f} s; the pen was in the wrong place in ",
+        f"{len(take):,} frames in {take.times[-1]:.1f} s; the pen was in the wrong place in ",
         "canvas 240.0 x 190.0 mm, with an angle of 90.0 degrees; its markers swapped names in ",
         "the tip trembled by 0.3",
         "the paper lies 4.0 mm under the plane of the markers, leaning by 0.0 degrees: is the pen's length",
@@ -146,7 +146,7 @@ def test_no_stroke_goes_on_over_frames_that_never_came() -> None:
     drawing = drawing_of(Take(*(values[came] for values in vars(take).values())), TIP)
     assert len(drawing.ink) == len(touches)
     assert max(np.hypot(*np.diff(stroke[:, 1:3], axis=0).T).max() for stroke in drawing.ink.strokes()) < 5e-3
-    assert drawing.summary[0].startswith(f"{came.sum()} frames in ")
+    assert drawing.summary[0].startswith(f"{came.sum():,} frames in ")
     assert "2 strokes cut short where the pen was lost" in drawing.summary
 
 

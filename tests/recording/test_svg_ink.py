@@ -153,6 +153,15 @@ def test_a_rectangle_that_is_the_pages_paper_is_no_stroke(root: str) -> None:
         svg(paper.format("100", ""), root)
 
 
+def test_rules_for_the_outermost_element_count_for_what_is_in_it() -> None:
+    frame, root = '<rect width="100" height="50"/>', f'{SHEET} id="page" class="a"'
+    for selector in ("svg", ".a", "#page", "svg.a"):
+        assert len(svg(f"<style>{selector} {{ stroke: black }}</style>{frame}", root).strokes) == 1
+        for rule in ("visibility: hidden", "display: none"):
+            with pytest.raises(InputError, match="there is no path or shape in it"):
+                svg(f"<style>{selector} {{ {rule} }}</style>{frame}", root)
+
+
 def test_where_no_page_is_stated_no_rectangle_is_its_paper() -> None:
     assert len(svg('<rect width="2000" height="2000" fill="white"/>', "").strokes) == 1
 
@@ -209,6 +218,14 @@ def test_percentages_of_moves_are_of_the_viewport_that_an_element_lies_in() -> N
     symbol = f'<symbol id="s" viewBox="0 0 40 40"><g style="translate: 50%">{LINE}</g></symbol>'
     assert ends(inner) == [[[10, 15], [15, 15]]]
     assert ends(f'{symbol}<use xlink:href="#s"/>') == [[[30, 10], [40, 10]]]
+
+
+@pytest.mark.parametrize("root", ["", 'width="100%" height="100%"'])
+def test_percentages_of_moves_on_a_page_without_a_size_are_of_a_thousand_pixels_as_those_of_shapes(root: str) -> None:
+    body = f'<g style="translate: 10% 20%">{LINE}</g><line x1="10%" y1="20%" x2="20%" y2="20%"/>'
+    moved, line = (stroke[[0, -1], 1:3].tolist() for stroke in svg(body, root).strokes)
+    assert moved == [[110, 210], [120, 210]]
+    assert line == [[100, 200], [200, 200]]
 
 
 def test_another_kind_of_document_is_refused() -> None:

@@ -115,6 +115,12 @@ def test_a_name_that_no_file_can_have_is_one_line(name: str, text: str) -> None:
         atomic_write(name, b"")
 
 
+def test_behind_links_in_a_circle_nothing_can_be_written(tmp_path: Path) -> None:
+    (tmp_path / "loop").symlink_to("loop")
+    with pytest.raises(OutputError, match=r"^cannot write .*/loop/letter: its links lead in a circle; choose another"):
+        atomic_write(tmp_path / "loop" / "letter", b"")
+
+
 def test_a_file_to_read_is_there_and_has_something_in_it(kept: Path) -> None:
     assert file_to_read(str(kept), "letter") == kept
 

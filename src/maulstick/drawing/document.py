@@ -13,7 +13,7 @@ from maulstick.errors import InputError
 from maulstick.recording.files.css import Style
 from maulstick.recording.files.lengths import pixels
 from maulstick.recording.files.markup import parsed
-from maulstick.recording.files.svg_paths import view_box
+from maulstick.recording.files.svg_paths import PAGE, view_box
 from maulstick.recording.files.transforms import transform_of
 
 SVG_SPACE: Final = "http://www.w3.org/2000/svg"
@@ -23,7 +23,6 @@ NO_PLACE: Final = "a point in it has no place: it is no number, or too large; me
 """Fault of a drawing whose numbers are damaged."""
 
 _SMALLEST, _LARGEST = 1e-2, 1e7  # pixels of a page's side: above the micrometre that lengths are rounded to; 2.6 km
-_PAGE = 1000.0  # pixels: each side of a page whose file does not say it, as vpype has it
 
 
 def parsed_svg(content: bytes, path: Path) -> Element:
@@ -91,7 +90,7 @@ class Page:
                 width, height = view[2:]
             width = view[2] * (height or 0) / view[3] if width is None else width
             height = view[3] * width / view[2] if height is None else height
-        width, height = (_PAGE if side is None else side for side in (width, height))
+        width, height = (PAGE if side is None else side for side in (width, height))
         if not all(_SMALLEST <= side <= _LARGEST for side in (width, height)):
             sides = f"a width and a height from {_SMALLEST:g} to {_LARGEST:g}"
             raise InputError(f"its page is {width:g} x {height:g} pixels; give it {sides}")

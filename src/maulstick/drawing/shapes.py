@@ -27,6 +27,7 @@ from maulstick.storage.arrays import Floats
 NEVER: Final = "%"
 """First character of the label of a layer that is not plotted."""
 
+_SOURCE = "{http://purl.org/dc/elements/1.1/}source"  # element in which a program says how it made a file
 _MOST_ELEMENTS = 1_000_000  # with every <use> and clip replaced: ten times a large drawing
 _DEEPEST = 100  # of groups within groups: more than programs write, and less than Python's stack allows
 _GROUPS = ("svg", "g", "a", "switch")
@@ -48,7 +49,7 @@ class Clip:
 class Group:
     """Group that may be a pen of its own: an Inkscape layer, or a group at the top.
 
-    label: None where it has none.  is_own: whether it is a layer that a painting was written as.
+    label: None where it has none.  is_own: whether a painting was written as it, as far as is known.
     """
 
     label: str | None
@@ -108,6 +109,8 @@ class Walk:
             name: element for element in reversed(list(self.root.iter())) if (name := element.get("id")) is not None
         }
         self._clips: dict[tuple[str, str, Viewport, tuple[int, ...]], Clip] = {}
+        sources = (element.text or "" for element in self.root.iter(_SOURCE))
+        self._is_by_vpype = any(source.lstrip().startswith("vpype") for source in sources)
         self._count = 0
         self._clipping = self._measuring = False
 
@@ -201,7 +204,8 @@ class Walk:
         if self._clipping or tag != "g" or not (is_layer or place.depth == 1):
             return None
         name = element.get("id")
-        is_own = is_layer and OWN_LAYER.fullmatch(name or "") is not None
+        # vpype keeps labels as they were, and gives ids of its own
+        is_own = is_layer and (self._is_by_vpype or OWN_LAYER.fullmatch(name or "") is not None)
         return Group(element.get(f"{INKSCAPE}label") or name, is_layer, is_own)
 
     def _used(self, element: Element, place: _Place) -> Iterator[Shape]:

@@ -23,6 +23,7 @@ _REMEDY = {  # what to do, by the system's error
     errno.EROFS: "that disk can only be read; choose another folder",
     errno.ENOENT: "its folder does not exist; make the folder first",
     errno.ENOTDIR: "its folder is a file; choose another folder",
+    errno.ELOOP: "its links lead in a circle; choose another name",
     errno.ENAMETOOLONG: "its name is too long; choose a shorter one",
 }
 
@@ -106,6 +107,8 @@ def _target(path: str | Path) -> Path:
         is_folder, is_device = target.is_dir(), target.exists() and not target.is_file()
     except OSError as error:
         raise _unwritable(path, error) from error
+    except RuntimeError as error:  # what Python says of such links before 3.13
+        raise OutputError(f"cannot write {path}: {_REMEDY[errno.ELOOP]}") from error
     except ValueError as error:  # of letters that no name of a file has
         raise OutputError(f"cannot write {made_printable(str(path))}: {error}; choose another name") from error
     if is_folder:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import NamedTuple, Self
 from xml.etree.ElementTree import Element
 
-from maulstick.recording.files.css import INHERITED, MOVES, READ, Style, inherited
+from maulstick.recording.files.css import GEOMETRY, INHERITED, MOVES, READ, Style, inherited
 from maulstick.recording.files.markup import local_name
 
 _COMMENT = re.compile(r"/\*.*?\*/|<!--|-->", re.DOTALL)
@@ -22,6 +22,7 @@ _IMPORTANT = re.compile(r"!\s*important", re.IGNORECASE)
 _NAME = re.compile(r"[.#]?[\w-]+")
 _TAG = re.compile(r"(?<![.#\w-])[\w-]+")
 _KNOWN = MOVES | {*READ}
+_BY_WORD = (_KNOWN | GEOMETRY) - {*INHERITED}  # properties that an element has from its parent only where it says so
 _OF_WORDS = frozenset({"clip-rule", "display", "fill-rule", "overflow", "transform-box", "visibility"})  # of any case
 
 
@@ -97,24 +98,33 @@ class StyleSheet:
 
     def of(self, element: Element) -> dict[str, str]:
         """Return the properties that an element itself has, by name."""
+        said = self._said_of(element)
+        for name in [name for name, value in said.items() if value.lower() == "inherit"]:
+            said[name] = self._parents_own(element, name) if name in _BY_WORD else "unset"
+        return {name: value for name, value in said.items() if value.lower() != "unset"}
+
+    def _said_of(self, element: Element) -> dict[str, str]:
+        """Return what is said of an element, by name, also that it inherits."""
         given = {name: value for name in READ if (value := element.get(name)) is not None}
         declared: list[_Declared] = []
         if self._rules:
             keys = {"*"} | self._names[element] | self._around[element]
             found = [rule for key in keys for rule in self._rules.get(key, ()) if self._is_of(rule.selector, element)]
             declared = [rule.declared for rule in sorted(found, key=lambda rule: rule.weight)]
-        declared.append(_declared(element.get("style", "")))
+        declared.append(_declared(_COMMENT.sub("", element.get("style", ""))))
         for properties in (*(each.usual for each in declared), *(each.important for each in declared)):
             given |= properties
-        said = {name: value.lower() if name in _OF_WORDS else value for name, value in given.items()}
-        for name in [name for name, value in said.items() if value.lower() == "inherit"]:
-            said[name] = self._parents_own(element, name)
-        return {name: value for name, value in said.items() if value.lower() != "unset"}
+        return {name: value.lower() if name in _OF_WORDS else value for name, value in given.items()}
 
     def _parents_own(self, element: Element, name: str) -> str:
-        """Return the property that the parent of an element itself has; what all inherit needs no word of its own."""
-        parent = self._parents.get(element)
-        return "unset" if name in INHERITED or parent is None else self.of(parent).get(name, "unset")
+        """Return the property that the nearest element around one has of its own, where all between inherit it."""
+        value = "inherit"
+        while value.lower() == "inherit":
+            if element not in self._parents:
+                return "unset"
+            element = self._parents[element]
+            value = self._said_of(element).get(name, "unset")
+        return value
 
     def where_it_stands(self, element: Element) -> Style:
         """Return the style of an element by itself and all around it, and not by what refers to it."""

@@ -18,6 +18,7 @@ from maulstick.storage.arrays import Floats
 _NEVER_DRAWN = ("symbol", "marker", "mask", "pattern", "clipPath")  # elements that are drawn only by reference
 _FAULTY = "faulty"  # attribute of elements whose points were cut at a fault
 _NEAR_EDGE = 0.5  # pixels from the page's edge that its paper may begin or end at: programs round lengths
+_CONVERT = "; convert text and objects to paths in the drawing program"
 _LARGEST = 12 * 2**20  # characters, after every <use> is replaced: takes up to a minute
 
 
@@ -37,6 +38,8 @@ def read_svg(content: bytes) -> Page:
     if across and down and root.get("viewBox") is None:  # without one svgelements swaps what 100 % of each side is
         root.set("viewBox", f"0 0 {across / METRES['px']} {down / METRES['px']}")
     document = SVG.parse(io.BytesIO(tostring(root)), on_error="raise")
+    if document is None:  # its outermost element has no display
+        raise InputError(f"there is no path or shape in it{_CONVERT}")
     width, height = float(document.width), float(document.height)
     shapes = [shape for shape in document.elements() if isinstance(shape, Shape) and _is_visible(shape)]
     has_page = root.get("viewBox") is not None or (root.get("width") and root.get("height"))
@@ -46,7 +49,7 @@ def read_svg(content: bytes) -> Page:
         fault = (
             "there is nothing but the page's paper in it" if shapes and not drawn else "there is no path or shape in it"
         )
-        raise InputError(f"{fault}; convert text and objects to paths in the drawing program")
+        raise InputError(fault + _CONVERT)
     unit = across / width if across and down and width > 0 and height > 0 else None
     strokes = [_stroke(points) for points in polylines(chains)]
     return Page(strokes, unit, None if unit is None else (width, height), "SVG", sum(map(_is_faulty, drawn)))

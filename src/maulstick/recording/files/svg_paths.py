@@ -15,6 +15,9 @@ from maulstick.storage.arrays import Floats
 CORNERED: Final = ("polyline", "polygon")
 """Elements that are drawn through points."""
 
+PAGE: Final = 1000.0
+"""Pixels of each side of a page whose file does not say it, as svgelements and vpype have it."""
+
 _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 _COORDINATE = re.compile(rf"({_NUMBER.pattern})\s*,?\s*")
 _FOREIGN = re.compile(r"[^MmZzLlHhVvCcSsQqTtAaEe\d.,+\-\s]")  # to a path's data: svgelements ends there in silence

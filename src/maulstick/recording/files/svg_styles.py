@@ -2,11 +2,11 @@
 
 from xml.etree.ElementTree import Element
 
-from maulstick.recording.files.css import GEOMETRY, MOVES, READ
+from maulstick.recording.files.css import GEOMETRY, INHERITED, MOVES, READ
 from maulstick.recording.files.lengths import pixels
 from maulstick.recording.files.markup import local_name
 from maulstick.recording.files.style_sheet import StyleSheet
-from maulstick.recording.files.svg_paths import view_box
+from maulstick.recording.files.svg_paths import PAGE, view_box
 from maulstick.recording.files.transforms import transform_of
 
 _MOVED = MOVES | {"transform-origin"}  # properties for which a transform is written anew
@@ -22,7 +22,8 @@ def write_styles(root: Element) -> None:
     """
     sheet = StyleSheet(root)
     styles = {element: sheet.of(element) for element in root.iter()}
-    _write(root, styles, _viewport(root, (0.0, 0.0)))
+    root.attrib.update({name: styles[root][name] for name in (*INHERITED, "display") if name in styles[root]})
+    _write(root, styles, _viewport(root, (PAGE, PAGE)))
 
 
 def _write(parent: Element, styles: dict[Element, dict[str, str]], size: Size) -> None:
