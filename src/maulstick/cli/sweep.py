@@ -61,7 +61,7 @@ def sweep(
         stopped = not wanted()
     finished = sum(not row["fault"] for row in rows)
     Console().print(
-        Text(f"{finished} of {counted(len(rows), 'cell')} finished in {out}: {', '.join(written)}"), soft_wrap=True
+        Text(f"{finished:,} of {counted(len(rows), 'cell')} finished in {out}: {', '.join(written)}"), soft_wrap=True
     )
     if stopped and finished < len(rows):
         console.print("the same command goes on from where it was stopped", soft_wrap=True)

@@ -63,9 +63,9 @@ def check_finished(rows: Sequence[Row]) -> None:
     """Raise OutputError where a cell failed."""
     failed = [str(row["cell"]) for row in rows if row["fault"]]
     if failed:
-        named = ", ".join(failed[:3]) + (f" and {len(failed) - 3} more" if len(failed) > 3 else "")
+        named = ", ".join(failed[:3]) + (f" and {len(failed) - 3:,} more" if len(failed) > 3 else "")
         raise OutputError(
-            f"{len(failed)} of {counted(len(rows), 'cell')} failed: {named}; sweep.csv says why; mend it, "
+            f"{len(failed):,} of {counted(len(rows), 'cell')} failed: {named}; sweep.csv says why; mend it, "
             "and sweep again: "
             "what is finished stays"
         )

@@ -84,10 +84,10 @@ def _seen(take: Take, canvas: CanvasPath, path: TipPath) -> list[str]:
     (plane, up), (plane_hertz, up_hertz) = path.noise, path.hertz
     return [
         f"{counted(len(take), 'frame')} in {take.times[-1] - take.times[0]:.1f} s; the pen was in the wrong place in "
-        f"{path.rejected}, bridged in {path.bridged}, and lost for longer than {GAP * 1e3:g} ms in {path.lost}",
+        f"{path.rejected:,}, bridged in {path.bridged:,}, and lost for longer than {GAP * 1e3:g} ms in {path.lost:,}",
         f"canvas {width:.1f} x {height:.1f} mm, with an angle of {90 + np.degrees(canvas.skew):.1f} degrees; its "
-        f"markers swapped names in {counted(canvas.swapped, 'frame')}, two of them were enough in {canvas.mended}, and "
-        f"it was taken to be where it was before and after in {canvas.guessed}",
+        f"markers swapped names in {counted(canvas.swapped, 'frame')}, two of them were enough in {canvas.mended:,}, "
+        f"and it was taken to be where it was before and after in {canvas.guessed:,}",
         f"the tip trembled by {plane * 1e3:.2f} mm, smoothed from {plane_hertz:g} Hz on, and in height by "
         f"{up * 1e3:.2f} mm, smoothed from {up_hertz:g} Hz on",
     ]

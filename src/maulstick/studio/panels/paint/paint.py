@@ -265,7 +265,7 @@ def _begun_text(status: PaintStatus | None) -> str:
         return f"All {counted(status.strokes, 'stroke')} are painted.{_REHEARSED if status.options.simulated else ''}"
     sheets = status.options.sheets
     sheet = f" on sheet {status.sheet} of {sheets}" if sheets > 1 else ""
-    done = f"{status.painted} of {counted(status.strokes, 'stroke')}"
+    done = f"{status.painted:,} of {counted(status.strokes, 'stroke')}"
     so_far = f" Machine so far: {machine_name(status.options.machine)}."
     return f"It was begun: {done} are painted{sheet}.{_REHEARSED if status.options.simulated else so_far}"
 
