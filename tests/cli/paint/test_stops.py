@@ -168,7 +168,7 @@ def test_copies_have_a_sheet_and_a_journal_each(ten: Path, recorder: Recorder, m
     assert not journal_of(ten, 2).exists()
     assert {path.name for path in (ten.parent / "ten.run1").iterdir()} == {
         "ten.log.jsonl", "ten.copy2.log.jsonl", "ten.copy3.log.jsonl", "ten.r1.json", "ten.r1.png",
-    }, "a person's own files stay, however they are called"  # fmt: skip
+    }, "files that no run writes stay"  # fmt: skip
 
 
 def test_a_machine_waits_for_sheets_where_the_first_run_began_wherever_it_was_stopped(
