@@ -87,7 +87,7 @@ def test_a_name_that_is_too_long_for_a_journal_is_named(painting: Path) -> None:
     )
     export = run("export", long, "--servo", "30,90")
     assert (export.code, export.mistake) == (
-        1, f"cannot write to {long.with_suffix('.plot.gcode')}: File name too long",
+        1, f"cannot write {long.with_suffix('.plot.gcode')}: its name is too long; choose a shorter one",
     )  # fmt: skip
 
 
