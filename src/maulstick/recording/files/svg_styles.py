@@ -18,7 +18,7 @@ Size = tuple[float, float]
 def write_styles(root: Element) -> None:
     """Write what style sheets and styles say of the elements of a document into their attributes, moves as matrices.
 
-    The outermost element keeps its own style and place: its size is read from its attributes.
+    The outermost element is not moved, and gets only what is inherited and whether it is shown.
     """
     sheet = StyleSheet(root)
     styles = {element: sheet.of(element) for element in root.iter()}
