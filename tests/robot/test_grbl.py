@@ -3,6 +3,7 @@ import re
 import termios
 import time
 from collections.abc import Iterator
+from typing import cast
 
 import numpy as np
 import pytest
@@ -12,11 +13,13 @@ from hypothesis import strategies as st
 from maulstick.errors import InputError, MachineError
 from maulstick.robot.adapters.grbl import Grbl
 from maulstick.robot.adapters.grbl_answers import ALARMS, ERRORS, Status
+from maulstick.robot.adapters.grbl_stream import GrblStream
 from maulstick.robot.adapters.serial_line import SerialLine
 from maulstick.robot.easel import Pen
 from maulstick.robot.limits import Limits
 from maulstick.robot.plotter import LockedError
 from maulstick.robot.robot import StoppedError
+from maulstick.robot.stopping import Stopping
 from maulstick.robot.timing import Profile
 from maulstick.storage.arrays import Floats
 from tests.support.robot.fake_grbl import CRITICAL, SETTINGS, WITH_SWITCHES, FakeGrbl
@@ -337,6 +340,23 @@ def test_a_stop_at_rest_leaves_no_hold_though_an_older_report_comes_first() -> N
         while device.state != "Idle" and time.monotonic() < until:
             time.sleep(0.01)
         assert (device.holds, device.state) == (1, "Idle")
+
+
+def test_braking_waits_for_rest_though_a_report_from_before_the_motion_comes_first() -> None:
+    class Line:
+        port = "a port"
+
+        def __init__(self) -> None:
+            self.reports = [f"<{state}|MPos:0,0,0>" for state in ("Idle", "Run", "Hold:1", "Hold:0", "Hold:0")]
+
+        def write(self, content: bytes) -> None: ...
+
+        def line(self) -> str | None:
+            return self.reports.pop(0)
+
+    line = Line()
+    GrblStream(cast(SerialLine, line), 30, Stopping()).hold()
+    assert line.reports == []
 
 
 @pytest.mark.parametrize("reports", [0, 1])

@@ -79,9 +79,11 @@ class GrblStream:
         """Brake; returns once it stands still, or where it does not report that."""
         self._line.write(HOLD)
         patience, deaf = Patience(self._patience), Patience(_DEAF)
+        at_rest = 0
         while not patience.over and not deaf.over:
             if (status := self._report()) is not None:
-                if status.state in _HALTED:
+                at_rest = at_rest + 1 if status.state in _HALTED else 0
+                if at_rest == 2:  # the first may have been asked for before it began to move
                     return
                 deaf.renew()
 
