@@ -281,6 +281,13 @@ def test_what_cannot_be_planned_again_is_refused_before_and_on_the_way(painting:
     assert "\n" not in str(before.value)
 
 
+def test_a_painting_whose_strokes_are_all_locked_stays_as_it_is_under_the_camera() -> None:
+    strokes = tuple(stroke.model_copy(update={"locked": True}) for stroke in planned().strokes)
+    painting = planned().model_copy(update={"strokes": strokes})
+    check_replannable(painting)
+    assert replanned(painting, PAINTED, WHITE, picture()) == painting
+
+
 # Strokes to learn a brush from.
 
 

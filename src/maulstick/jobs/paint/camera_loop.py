@@ -85,8 +85,9 @@ def check_replannable(painting: Painting) -> None:
                 f"it was planned with {what}, which planning again on the way does not know; do not replan, but stop, "
                 "and plan the rest again with a photograph as the background"
             )
-    strokes = [stroke for stroke in painting.strokes if not stroke.locked]
-    _style_of(strokes, painting), _weights(painting)
+    _weights(painting)
+    if strokes := [stroke for stroke in painting.strokes if not stroke.locked]:
+        _style_of(strokes, painting)
 
 
 def replanned(
