@@ -1,10 +1,10 @@
-"""Figures of docs/paper.md and of the tables beside it: measure them again, and write the tables that stand in docs.
+"""Figures of docs/paper.md and of the tables beside it: measure them again, and write the tables that documents have.
 
     .venv/bin/python benchmarks/paper.py [NAME ...] [--tables]
 
 Each NAME is a benchmark whose rows, one JSON object per line, are kept in measured/NAME.jsonl; all of them by default,
 which takes hours. A file changes only when its benchmark has run to its end. --tables measures nothing. Tables stand in
-docs/*.md between `<!-- measured NAME -->` and `<!-- end -->`, and a test compares them with the files.
+README.md and docs/*.md between `<!-- measured NAME -->` and `<!-- end -->`, and a test compares them with the files.
 """
 
 import argparse
@@ -16,6 +16,7 @@ from collections.abc import Callable
 import tables_of_arrangement as arrangement
 import tables_of_brushes as brushes
 import tables_of_easel as easel
+import tables_of_headlines as headlines
 import tables_of_held as held
 import tables_of_likeness as likeness
 import tables_of_plans as plans
@@ -94,7 +95,9 @@ TABLES: dict[str, Callable[[], str]] = {
     "order": arrangement.order_table,
     "sim_to_real": easel.sim_to_real_table,
     "summary": summary.summary_table,
+    "headlines": headlines.headlines_table,
 }
+DOCUMENTS = (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")))
 
 
 def filled(text: str) -> str:
@@ -120,7 +123,7 @@ def main() -> None:
     for name in [] if asked.tables else asked.names or COMMANDS:
         print(f"{name}: {' '.join(COMMANDS[name])}", flush=True)
         measure(name)
-    for document in (ROOT / "docs").glob("*.md"):
+    for document in DOCUMENTS:
         document.write_text(filled(document.read_text(encoding="utf-8")), encoding="utf-8")
 
 

@@ -164,7 +164,7 @@ def several_brushes_table() -> str:
             psnr = f"{np.mean([row['psnr'] for row in each]):.2f}"
             line.append(psnr if not len(more) else f"{psnr} ({np.mean(more):+.2f})")
         if all(map(len, gains)):
-            line.append(_gain(gains))
+            line.append(gain_of(gains))
         else:
             line.append("")
         lines.append(line)
@@ -173,17 +173,22 @@ def several_brushes_table() -> str:
 
 def steps_table() -> str:
     """How good plans of fewer steps are beside those of before."""
-    found: dict[tuple[str, str, int], Plans] = defaultdict(lambda: defaultdict(list))
-    for row in rows_of("steps"):
-        found[row["style"], row["source"], row["steps"]][row["image"]].append(row)
-    lines = []
+    found, lines = steps_of(rows_of("steps")), []
     for (style, source, steps), plans in found.items():
         before = next(each for (other, name, _), each in found.items() if (other, name) == (style, "before"))
-        more = _more(plans, before)
+        more = more_than(plans, before)
         means = _means(plans, {"psnr": "{:.2f} dB", "ssim": "{:.3f}", "seconds": "{:.0f} s"})
         line = [style, source, f"{steps:,}", *means]
-        lines.append([*line, *(["", ""] if source == "before" else [_gain(more), f"{min(map(mean, more)):+.2f} dB"])])
+        lines.append([*line, *(["", ""] if source == "before" else [gain_of(more), f"{min(map(mean, more)):+.2f} dB"])])
     return table(["style", "version", "steps", "PSNR", "SSIM", "processor", "more than before", "worst"], lines)
+
+
+def steps_of(rows: list[Row]) -> dict[tuple[str, str, int], Plans]:
+    """Plans by style, version and number of steps."""
+    found: dict[tuple[str, str, int], Plans] = defaultdict(lambda: defaultdict(list))
+    for row in rows:
+        found[row["style"], row["source"], row["steps"]][row["image"]].append(row)
+    return found
 
 
 def known_start_table() -> str:
@@ -194,7 +199,7 @@ def known_start_table() -> str:
     lines = []
     for start, plans in found.items():
         means = _means(plans, {"psnr": "{:.2f} dB", "ssim": "{:.3f}"})
-        lines.append([start, *means, "" if start == "usual" else _gain(_more(plans, found["usual"]))])
+        lines.append([start, *means, "" if start == "usual" else gain_of(more_than(plans, found["usual"]))])
     return table(["start", "PSNR", "SSIM", "more than usual"], lines)
 
 
@@ -204,12 +209,13 @@ def _means(plans: Plans, written: dict[str, str]) -> list[str]:
     return [form.format(np.mean([row[key] for row in rows])) for key, form in written.items()]
 
 
-def _more(plans: Plans, others: Plans) -> list[Floats]:
+def more_than(plans: Plans, others: Plans) -> list[Floats]:
     """How much more PSNR plans have than others of the same photographs and seeds, by photograph."""
     pairs = [zip(rows, others[image], strict=True) for image, rows in plans.items()]
     return [np.array([row["psnr"] - other["psnr"] for row, other in each]) for each in pairs]
 
 
-def _gain(more: list[Floats]) -> str:
+def gain_of(more: list[Floats]) -> str:
+    """Their mean, with a 95 % interval by bootstrap over photographs."""
     low, high = interval(more, mean)
     return f"{mean(np.concatenate(more)):+.2f} ({low:+.2f} to {high:+.2f}) dB"

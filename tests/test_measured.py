@@ -1,4 +1,4 @@
-"""The tables in docs are those of the rows that were kept."""
+"""The tables in the README and in docs are those of the rows that were kept."""
 
 import importlib.util
 import sys
@@ -22,9 +22,10 @@ def paper(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
     return module
 
 
-def test_every_table_in_docs_is_as_it_was_measured(paper: ModuleType) -> None:
+def test_every_table_in_the_readme_and_in_docs_is_as_it_was_measured(paper: ModuleType) -> None:
+    assert {*paper.DOCUMENTS} == {ROOT / "README.md", *(ROOT / "docs").glob("*.md")}
     marked = []
-    for document in sorted((ROOT / "docs").glob("*.md")):
+    for document in paper.DOCUMENTS:
         text = document.read_text(encoding="utf-8")
         assert paper.filled(text) == text, f"{document.name}: run benchmarks/paper.py --tables"
         marked += [found[2] for found in paper.MARKED.finditer(text)]
