@@ -3,6 +3,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from defusedxml import EntitiesForbidden
+from scipy.spatial.distance import cdist
+from svgelements import Matrix
 
 from maulstick.drawing.options import DrawingOptions
 from maulstick.drawing.read import read_drawing
@@ -78,6 +80,30 @@ def test_a_circle_is_within_ten_micrometres_of_itself() -> None:
 def test_transforms_of_groups_and_shapes_are_applied() -> None:
     body = '<g transform="translate(10 20)"><g transform="scale(2)"><path transform="rotate(90)" d="M0 0L3 0"/></g></g>'
     assert ends(body) == [[[10, 20], [10, 26]]]
+
+
+@pytest.mark.parametrize(
+    "shape",
+    [
+        '<rect x="20" y="10" width="30" height="10"/>',
+        '<rect x="20" y="10" width="30" height="10" rx="3"/>',
+        '<circle cx="40" cy="20" r="10"/>',
+        '<ellipse cx="40" cy="20" rx="10" ry="5"/>',
+        '<path d="M20 10A9 5 30 0 1 40 20"/>',
+        '<line x1="20" y1="10" x2="40" y2="30"/>',
+    ],
+)
+@pytest.mark.parametrize(
+    "transform",
+    ["rotate(30)", "skewX(20)", "scale(-1 1) translate(-90)", "scale(1 .5) rotate(40)", "matrix(1 .2 -.3 1 9 2)"],
+)
+def test_every_shape_is_moved_as_its_points_are(shape: str, transform: str) -> None:
+    (still,), (moved,) = strokes(shape), strokes(f'<g transform="{transform}">{shape}</g>')
+    m = Matrix(transform)
+    there = still @ [[m.a, m.b], [m.c, m.d]] + [m.e, m.f]
+    apart = cdist(moved, there)
+    assert max(apart.min(axis=0).max(), apart.min(axis=1).max()) < 0.5
+    assert moved[[0, -1]] == pytest.approx(there[[0, -1]], abs=1e-5)
 
 
 def test_what_is_used_is_drawn_where_it_is_used_and_nowhere_else() -> None:

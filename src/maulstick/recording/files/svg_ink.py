@@ -13,6 +13,7 @@ from maulstick.recording.files.markup import METRES, local_name, parsed
 from maulstick.recording.files.page import Page
 from maulstick.recording.files.svg_paths import CORNERED, chains_of, check_uses, coordinates, is_whole
 from maulstick.recording.files.svg_styles import write_styles
+from maulstick.recording.files.transforms import moved
 from maulstick.storage.arrays import Floats
 
 _NEVER_DRAWN = ("symbol", "marker", "mask", "pattern", "clipPath")  # elements that are drawn only by reference
@@ -37,14 +38,15 @@ def read_svg(content: bytes) -> Page:
     across, down = _metres(root.get("width")), _metres(root.get("height"))
     if across and down and root.get("viewBox") is None:  # without one svgelements swaps what 100 % of each side is
         root.set("viewBox", f"0 0 {across / METRES['px']} {down / METRES['px']}")
-    document = SVG.parse(io.BytesIO(tostring(root)), on_error="raise")
+    # svgelements' own moving of shapes knows no turned rectangle, and no arc that is skewed.
+    document = SVG.parse(io.BytesIO(tostring(root)), on_error="raise", reify=False)
     if document is None:  # its outermost element has no display
         raise InputError(f"there is no path or shape in it{_CONVERT}")
     width, height = float(document.width), float(document.height)
     shapes = [shape for shape in document.elements() if isinstance(shape, Shape) and _is_visible(shape)]
     has_page = root.get("viewBox") is not None or (root.get("width") and root.get("height"))
     drawn = [shape for shape in shapes if not (has_page and _is_paper(shape, width, height))]
-    chains = [chain for shape in drawn for chain in chains_of(Path(shape))]
+    chains = [moved(chain, shape.transform) for shape in drawn for chain in chains_of(Path(shape))]
     if not chains:
         fault = (
             "there is nothing but the page's paper in it" if shapes and not drawn else "there is no path or shape in it"
