@@ -246,6 +246,48 @@ def test_percentages_of_moves_are_of_the_viewport_that_an_element_lies_in() -> N
     assert ends(f'{symbol}<use xlink:href="#s"/>') == [[[30, 10], [40, 10]]]
 
 
+@pytest.mark.parametrize(
+    ("body", "expected"),
+    [
+        ('<line x1="1em" y1="1rem" x2="2em" y2="2ex"/>', [[16, 16], [32, 16]]),
+        ('<line x1="10%" y1="10%" x2="50%" y2="10%"/>', [[10, 5], [50, 5]]),
+        ('<line x1="10" y1="what" x2="20"/>', [[10, 0], [20, 0]]),
+        ('<use href="#line" x="1em"/>', [[26, 10], [36, 10]]),
+        ('<svg x="10%" y="3" width="50" height="20"><use href="#line"/></svg>', [[20, 13], [30, 13]]),
+        ('<svg x="7" y="3" width="50" height="20"><line x2="10%" y2="10%"/></svg>', [[7, 3], [12, 5]]),
+        ('<svg x="7" y="3"><line x2="10%" y2="10%"/></svg>', [[7, 3], [17, 8]]),
+        ('<svg width="9" height="9" viewBox="0 0 9 9"/><line x2="10%" y2="10%"/>', [[0, 0], [10, 5]]),
+        (
+            '<svg width="0" height="9" viewBox="0 0 9 9"><path d="M0 0H1"/></svg><use href="#line"/>',
+            [[10, 10], [20, 10]],
+        ),
+        (f'<g transform="rotate(90)"><g style="transform: translate(8px, 2%)">{LINE}</g></g>', [[-11, 18], [-11, 28]]),
+    ],
+)
+def test_places_are_those_that_a_browser_takes(body: str, expected: list[list[float]]) -> None:
+    assert ends(f'<defs><path id="line" d="M10 10H20"/></defs>{body}') == [expected]
+
+
+def test_a_rectangle_takes_no_place_and_no_size_of_what_it_lies_in() -> None:
+    (drawn,) = strokes('<svg x="10" y="20" width="30" height="20"><rect width="5" height="4"/><rect height="4"/></svg>')
+    assert drawn[:3].tolist() == [[10, 20], [15, 20], [15, 24]]
+
+
+@pytest.mark.parametrize(
+    ("root", "size"),
+    [
+        ('width="10em" height="5em"', (160, 80)),
+        ('width="10 mm" height="1e1mm"', (9600 / 254, 9600 / 254)),
+        ('width="auto" height="auto"', None),
+        ('width="what" height="9"', None),
+    ],
+)
+def test_sides_of_the_page_are_in_any_unit_or_unknown(root: str, size: tuple[float, float] | None) -> None:
+    page = svg(LINE, f'{root} viewBox="0 0 100 50"')
+    assert (page.unit is None) == (size is None)
+    assert page.size == (None if size is None else pytest.approx(size))
+
+
 @pytest.mark.parametrize("root", ["", 'width="100%" height="100%"'])
 def test_percentages_of_moves_on_a_page_without_a_size_are_of_a_thousand_pixels_as_those_of_shapes(root: str) -> None:
     body = f'<g style="translate: 10% 20%">{LINE}</g><line x1="10%" y1="20%" x2="20%" y2="20%"/>'

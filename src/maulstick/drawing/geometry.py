@@ -6,9 +6,9 @@ from xml.etree.ElementTree import Element
 import numpy as np
 from svgelements import Ellipse, Path, Rect  # type: ignore[import-untyped]
 
-from maulstick.drawing.document import NO_PLACE, Viewport
+from maulstick.drawing.document import NO_PLACE
 from maulstick.errors import InputError
-from maulstick.recording.files.lengths import pixels
+from maulstick.recording.files.lengths import Viewport, pixels
 from maulstick.recording.files.markup import local_name
 from maulstick.recording.files.svg_paths import CORNERED, chains_of, coordinates, is_whole
 from maulstick.storage.arrays import Floats

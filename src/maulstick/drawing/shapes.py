@@ -12,12 +12,13 @@ from xml.etree.ElementTree import Element
 import numpy as np
 from svgelements import Matrix  # type: ignore[import-untyped]
 
-from maulstick.drawing.document import INKSCAPE, SVG_SPACE, Page, Viewport, viewed
+from maulstick.drawing.document import INKSCAPE, SVG_SPACE, Page, viewed
 from maulstick.drawing.geometry import is_shape, outline
 from maulstick.drawing.lines import bounds_of
 from maulstick.errors import InputError
 from maulstick.painting.svg import OWN_LAYER
 from maulstick.recording.files.css import GEOMETRY, MOVES, Rgb, Style, colour_of, inherited, is_zero, referred, unread
+from maulstick.recording.files.lengths import Viewport
 from maulstick.recording.files.markup import local_name
 from maulstick.recording.files.style_sheet import StyleSheet
 from maulstick.recording.files.svg_paths import numbers

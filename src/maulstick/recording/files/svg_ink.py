@@ -1,7 +1,6 @@
 """Reader of SVG: every shape that is not hidden is a stroke, also one without an outline and a fill."""
 
 import io
-import re
 from xml.etree.ElementTree import Element, tostring
 
 import numpy as np
@@ -9,10 +8,11 @@ from svgelements import SVG, Path, Rect, Shape  # type: ignore[import-untyped]
 
 from maulstick.errors import InputError
 from maulstick.recording.files.curves import polylines
+from maulstick.recording.files.lengths import page_side, pixels
 from maulstick.recording.files.markup import METRES, local_name, parsed
 from maulstick.recording.files.page import Page
 from maulstick.recording.files.svg_paths import CORNERED, chains_of, check_uses, coordinates, is_whole
-from maulstick.recording.files.svg_styles import write_styles
+from maulstick.recording.files.svg_styles import write_attributes
 from maulstick.recording.files.transforms import moved
 from maulstick.storage.arrays import Floats
 
@@ -32,12 +32,12 @@ def read_svg(content: bytes) -> Page:
     """
     root = parsed(content, "svg")
     check_uses(root, _LARGEST)
-    write_styles(root)
+    write_attributes(root)
     _hide(root)
     _cut_at_faults(root)
-    across, down = _metres(root.get("width")), _metres(root.get("height"))
-    if across and down and root.get("viewBox") is None:  # without one svgelements swaps what 100 % of each side is
-        root.set("viewBox", f"0 0 {across / METRES['px']} {down / METRES['px']}")
+    is_sized = _write_sides(root)
+    if is_sized and root.get("viewBox") is None:  # without one svgelements swaps what 100 % of each side is
+        root.set("viewBox", f"0 0 {root.get('width')} {root.get('height')}")
     # svgelements' own moving of shapes knows no turned rectangle, and no arc that is skewed.
     document = SVG.parse(io.BytesIO(tostring(root)), on_error="raise", reify=False)
     if document is None:  # its outermost element has no display
@@ -52,9 +52,20 @@ def read_svg(content: bytes) -> Page:
             "there is nothing but the page's paper in it" if shapes and not drawn else "there is no path or shape in it"
         )
         raise InputError(fault + _CONVERT)
-    unit = across / width if across and down and width > 0 and height > 0 else None
+    unit = METRES["px"] if is_sized else None
     strokes = [_stroke(points) for points in polylines(chains)]
     return Page(strokes, unit, None if unit is None else (width, height), "SVG", sum(map(_is_faulty, drawn)))
+
+
+def _write_sides(root: Element) -> bool:
+    """Write the sides of the page in pixels, without what is no length; return whether both are known."""
+    sides = {name: page_side(root.get(name)) for name in ("width", "height")}
+    for name, side in sides.items():
+        if side is not None:
+            root.set(name, repr(side))
+        elif pixels(root.get(name)) is None:
+            root.attrib.pop(name, None)
+    return all(side is not None and side > 0 for side in sides.values())
 
 
 def _hide(root: Element) -> None:
@@ -94,12 +105,6 @@ def _is_paper(shape: Shape, width: float, height: float) -> bool:
         return False
     left, upper, right, lower = box
     return bool(max(left, upper) < _NEAR_EDGE and min(right - width, lower - height) > -_NEAR_EDGE)
-
-
-def _metres(side: str | None) -> float | None:
-    """Return a CSS length in metres, or None where it is not one."""
-    match = re.fullmatch(r"\s*\+?(\d+\.?\d*|\.\d+)\s*(|px|mm|cm|q|in|pt|pc)\s*", (side or "").lower())
-    return float(match[1]) * METRES[match[2] or "px"] if match else None
 
 
 def _stroke(points: Floats) -> Floats:
