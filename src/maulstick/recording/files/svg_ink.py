@@ -19,7 +19,6 @@ from maulstick.storage.arrays import Floats
 _NEVER_DRAWN = ("symbol", "marker", "mask", "pattern", "clipPath")  # elements that are drawn only by reference
 _FAULTY = "faulty"  # attribute of elements whose points were cut at a fault
 _NEAR_EDGE = 0.5  # pixels from the page's edge that its paper may begin or end at: programs round lengths
-_CONVERT = "; convert text and objects to paths in the drawing program"
 _LARGEST = 12 * 2**20  # characters, after every <use> is replaced: takes up to a minute
 
 
@@ -40,21 +39,17 @@ def read_svg(content: bytes) -> Page:
         root.set("viewBox", f"0 0 {root.get('width')} {root.get('height')}")
     # svgelements' own moving of shapes knows no turned rectangle, and no arc that is skewed.
     document = SVG.parse(io.BytesIO(tostring(root)), on_error="raise", reify=False)
-    if document is None:  # its outermost element has no display
-        raise InputError(f"there is no path or shape in it{_CONVERT}")
-    width, height = float(document.width), float(document.height)
-    shapes = [shape for shape in document.elements() if isinstance(shape, Shape) and _is_visible(shape)]
+    elements = () if document is None else document.elements()  # None where its outermost element has no display
+    shapes = [shape for shape in elements if isinstance(shape, Shape) and _is_visible(shape)]
     has_page = root.get("viewBox") is not None or (root.get("width") and root.get("height"))
-    drawn = [shape for shape in shapes if not (has_page and _is_paper(shape, width, height))]
+    drawn = [shape for shape in shapes if not (has_page and _is_paper(shape, document.width, document.height))]
     chains = [moved(chain, shape.transform) for shape in drawn for chain in chains_of(Path(shape))]
     if not chains:
-        fault = (
-            "there is nothing but the page's paper in it" if shapes and not drawn else "there is no path or shape in it"
-        )
-        raise InputError(fault + _CONVERT)
-    unit = METRES["px"] if is_sized else None
+        there_is = "nothing but the page's paper" if shapes and not drawn else "no path or shape"
+        raise InputError(f"there is {there_is} in it; convert text and objects to paths in the drawing program")
     strokes = [_stroke(points) for points in polylines(chains)]
-    return Page(strokes, unit, None if unit is None else (width, height), "SVG", sum(map(_is_faulty, drawn)))
+    unit, size = (METRES["px"], (document.width, document.height)) if is_sized else (None, None)
+    return Page(strokes, unit, size, "SVG", sum(map(_is_faulty, drawn)))
 
 
 def _write_sides(root: Element) -> bool:
