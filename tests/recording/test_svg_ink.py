@@ -69,6 +69,28 @@ def test_curves_are_sampled_finely_between_their_ends(path: str, end: list[float
     assert turns.max() < 0.2, "no corner"
 
 
+@pytest.mark.parametrize(
+    ("smooth", "plain"),
+    [
+        ("Q10 9 20 0S30 9 40 0", "Q10 9 20 0C20 0 30 9 40 0"),
+        ("q10 9 20 0t9-.5e1s10 9 20 0", "Q10 9 20 0T29 -5C29 -5 39 4 49 -5"),
+        ("C0 9 20 9 20 0T40 0", "C0 9 20 9 20 0Q20 0 40 0"),
+        ("C0 9 20 9 20 0S30 9 40 0t20 5t9 9", "C0 9 20 9 20 0S30 9 40 0Q40 0 60 5T69 14"),
+    ],
+)
+def test_a_smooth_curve_takes_no_direction_of_a_curve_of_another_kind(tmp_path: Path, smooth: str, plain: str) -> None:
+    drawn = []
+    for path in (
+        f'<path transform="translate(5 20)" stroke="black" fill="none" d="M0 0{data}"/>' for data in (smooth, plain)
+    ):
+        (tmp_path / "drawing.svg").write_text(f'<svg xmlns="http://www.w3.org/2000/svg" {SHEET}>{path}</svg>')
+        (stroke,) = read_drawing(tmp_path / "drawing.svg").painting.strokes
+        drawn.append([*strokes(path), 1e3 * np.array(stroke.trajectory)[:, :2]])
+    for ours, theirs in zip(*drawn, strict=True):
+        apart = cdist(ours, theirs)
+        assert max(apart.min(axis=0).max(), apart.min(axis=1).max()) < 0.5
+
+
 def test_a_circle_is_within_ten_micrometres_of_itself() -> None:
     (stroke,) = strokes('<circle cx="50" cy="25" r="20"/>')
     assert np.linalg.norm(stroke - [50, 25], axis=1) == pytest.approx(20, abs=0.01)

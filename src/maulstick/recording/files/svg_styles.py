@@ -10,7 +10,7 @@ from maulstick.recording.files.css import GEOMETRY, INHERITED, MOVES, READ
 from maulstick.recording.files.lengths import Viewport
 from maulstick.recording.files.markup import local_name
 from maulstick.recording.files.style_sheet import StyleSheet
-from maulstick.recording.files.svg_paths import PAGE, view_box
+from maulstick.recording.files.svg_paths import PAGE, parted, view_box
 from maulstick.recording.files.transforms import transform_of
 
 _MOVED = MOVES | {"transform-origin"}  # properties for which a transform is written anew
@@ -47,6 +47,8 @@ def _write(parent: Element, styles: dict[Element, dict[str, str]], viewport: Vie
         element.attrib.pop("style", None)
         if local_name(element) == "style":
             element.text = ""
+        if local_name(element) == "path":
+            element.set("d", parted(element.get("d", "")))
         _write_lengths(element, viewport)
         _write(element, styles, _inside(element, viewport))
 
