@@ -65,6 +65,21 @@ def test_results_are_two_questionnaires_and_a_csv(folder: Path) -> None:
     assert len((folder / "answers.csv").read_text().splitlines()) == 8
 
 
+@pytest.mark.parametrize(
+    ("name", "what", "words"),
+    [("answers.csv", "table", ["--results"]), ("answers.sqlite", "database", ["--links", "1"])],
+)
+def test_a_link_in_a_survey_that_came_by_mail_is_not_written_through(
+    folder: Path, tmp_path: Path, name: str, what: str, words: list[str]
+) -> None:
+    (tmp_path / "mine").write_bytes(b"")
+    (folder / name).symlink_to(tmp_path / "mine")
+    ran = run("survey", folder, *words)
+    assert ran.code == 2
+    assert ran.mistake == f"{folder / name} is a link; put the {what} itself in its place"
+    assert (tmp_path / "mine").read_bytes() == b""
+
+
 def test_one_link_is_told_in_the_singular(folder: Path) -> None:
     Answers(folder).mint(1)
     assert run("survey", folder, "--results").stdout.splitlines()[0] == "1 link, 0 began, 0 finished"

@@ -13,7 +13,7 @@ from maulstick.storage.files import atomic_write
 from maulstick.storage.text import counted
 from maulstick.studio.server.link import pages_at
 from maulstick.survey.answers import Answers
-from maulstick.survey.questionnaire import read_survey_to_show
+from maulstick.survey.questionnaire import check_no_link, read_survey_to_show
 
 
 def survey(
@@ -80,6 +80,8 @@ def _print_results(folder: Path) -> None:
             table.add_row(*map(Text, row))
         console.print(table)
 
+    out = folder / "answers.csv"
+    check_no_link(out, "table")
     found = results_of(folder)
     console = Console()
     print(f"{counted(found.links, 'link')}, {found.begun} began, {found.finished} finished")
@@ -88,6 +90,5 @@ def _print_results(folder: Path) -> None:
         show("How often it was the right one", right_rows(found.matching))
     if found.systems is not None:
         show("Opinions", opinions_rows(found.systems, found.opinions))
-    out = folder / "answers.csv"
     atomic_write(out, answers_csv(Answers(folder).all()))
     print(out, flush=True)

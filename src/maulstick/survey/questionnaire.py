@@ -167,10 +167,14 @@ def read_survey(folder: str | Path) -> Survey:
     folder = Path(folder)
     survey = read_record(Survey, folder / _RECORD, "survey")
     for picture in survey.pictures():
-        path = file_to_read(folder / picture, "picture")
-        if path.is_symlink():  # or a survey that came by mail could show any file of this computer
-            raise InputError(f"{path} is a link; put the picture itself in its place")
+        check_no_link(file_to_read(folder / picture, "picture"), "picture")
     return survey
+
+
+def check_no_link(path: Path, what: str) -> None:
+    """Raise InputError where a file of a survey is a link: one that came by mail could show, or change, any file."""
+    if path.is_symlink():
+        raise InputError(f"{path} is a link; put the {what} itself in its place")
 
 
 def read_survey_to_show(folder: Path) -> Survey:
