@@ -18,7 +18,7 @@ from maulstick.storage.arrays import Image, kind_of
 from maulstick.storage.files import atomic_write, file_to_read
 from maulstick.storage.library import NAME
 from maulstick.storage.records import read_record, write_record
-from maulstick.storage.text import is_printable
+from maulstick.storage.text import is_printable, made_printable
 from maulstick.strokes.ink import KIND, read_ink
 
 LONGEST_PX: Final = 1024
@@ -157,8 +157,9 @@ def build(folder: str | Path, title: str, match: Match | None, opinions: Opinion
             made.replace(folder)  # which fails where something came into it meanwhile
     except OutputError:
         raise
-    except OSError as error:
-        raise OutputError(f"cannot make the folder {folder}: {error.strerror}; choose another") from error
+    except (OSError, ValueError) as error:  # the latter of letters that no name of a file has
+        told = getattr(error, "strerror", None) or error
+        raise OutputError(f"cannot make the folder {made_printable(str(folder))}: {told}; choose another") from error
     return survey
 
 
@@ -187,10 +188,11 @@ def read_survey_to_show(folder: Path) -> Survey:
 
 def _check_new(folder: Path) -> None:
     try:
-        if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
-            raise OutputError(f"{folder} is already there; choose a new folder for the survey")
-    except PermissionError as error:
+        taken = folder.exists() and (not folder.is_dir() or any(folder.iterdir()))
+    except OSError as error:
         raise OutputError(f"cannot look into {folder}: {error.strerror}; choose another folder") from error
+    if taken:
+        raise OutputError(f"{folder} is already there; choose a new folder for the survey")
 
 
 def _pixels(source: Path) -> Image:
