@@ -36,6 +36,17 @@ def test_links_are_made_and_printed_one_a_line(folder: Path) -> None:
     assert len(tokens) == 3
 
 
+@pytest.mark.parametrize("host", ["http://192.168.1.20", "192.168.1.20:80", "a b", ""])
+def test_no_links_are_made_that_lead_nowhere(folder: Path, host: str) -> None:
+    ran = run("survey", folder, "--links", "1", "--host", host)
+    assert ran.mistake == f"--host is {host!r}; it must be an address or a name of this computer, as in 192.168.1.20"
+    assert Answers(folder).participants() == []
+
+
+def test_links_may_name_a_host_by_its_name(folder: Path) -> None:
+    assert run("survey", folder, "--links", "1", "--host", "my-pc.local").stdout.startswith("http://my-pc.local:8338/")
+
+
 def test_an_address_of_six_groups_stands_in_brackets(folder: Path) -> None:
     assert run("survey", folder, "--links", "1", "--host", "::1").stdout.startswith("http://[::1]:8338/")
 
