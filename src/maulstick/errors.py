@@ -52,6 +52,7 @@ class Remedy(Enum):
     NAME_PORT = "connect its USB cable and power, or name its port: axidraw:PORT"
     CLIP_WEIGHTS = "give a file of them with clip_weights"
     CLIP_WEIGHTS_OR_NETWORK = "give a file of them with clip_weights, or try again with a network"
+    MAKE_INK = "make ink of it with read_ink"
     READ_TAKE = "read it with maulstick record motive"
 
 

@@ -358,6 +358,11 @@ def test_a_size_that_cannot_be_kept_is_refused(drawing: Path, tmp_path: Path) ->
             ms.read_ink(drawing, longest=text)
 
 
+def test_a_drawing_that_is_not_ink_yet_is_told_how_it_becomes_ink_in_python(drawing: Path) -> None:
+    with pytest.raises(InputError, match=r"is neither ink nor strokes; make ink of it with read_ink$"):
+        ms.fit_style(drawing)
+
+
 def test_a_hand_that_was_learned_plans_without_being_kept(
     drawing: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

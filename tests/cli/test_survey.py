@@ -36,6 +36,17 @@ def test_links_are_made_and_printed_one_a_line(folder: Path) -> None:
     assert len(tokens) == 3
 
 
+@pytest.mark.parametrize("host", ["http://192.168.1.20", "192.168.1.20:80", "a b", ""])
+def test_no_links_are_made_that_lead_nowhere(folder: Path, host: str) -> None:
+    ran = run("survey", folder, "--links", "1", "--host", host)
+    assert ran.mistake == f"--host is {host!r}; it must be an address or a name of this computer, as in 192.168.1.20"
+    assert Answers(folder).participants() == []
+
+
+def test_links_may_name_a_host_by_its_name(folder: Path) -> None:
+    assert run("survey", folder, "--links", "1", "--host", "my-pc.local").stdout.startswith("http://my-pc.local:8338/")
+
+
 def test_an_address_of_six_groups_stands_in_brackets(folder: Path) -> None:
     assert run("survey", folder, "--links", "1", "--host", "::1").stdout.startswith("http://[::1]:8338/")
 
@@ -63,6 +74,21 @@ def test_results_are_two_questionnaires_and_a_csv(folder: Path) -> None:
         assert told in ran.stdout
     assert ran.stdout.splitlines()[-1] == str(folder / "answers.csv")
     assert len((folder / "answers.csv").read_text().splitlines()) == 8
+
+
+@pytest.mark.parametrize(
+    ("name", "what", "words"),
+    [("answers.csv", "table", ["--results"]), ("answers.sqlite", "database", ["--links", "1"])],
+)
+def test_a_link_in_a_survey_that_came_by_mail_is_not_written_through(
+    folder: Path, tmp_path: Path, name: str, what: str, words: list[str]
+) -> None:
+    (tmp_path / "mine").write_bytes(b"")
+    (folder / name).symlink_to(tmp_path / "mine")
+    ran = run("survey", folder, *words)
+    assert ran.code == 2
+    assert ran.mistake == f"{folder / name} is a link; put the {what} itself in its place"
+    assert (tmp_path / "mine").read_bytes() == b""
 
 
 def test_one_link_is_told_in_the_singular(folder: Path) -> None:

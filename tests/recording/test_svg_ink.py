@@ -3,6 +3,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from defusedxml import EntitiesForbidden
+from scipy.spatial.distance import cdist
+from svgelements import Matrix
 
 from maulstick.drawing.options import DrawingOptions
 from maulstick.drawing.read import read_drawing
@@ -67,6 +69,28 @@ def test_curves_are_sampled_finely_between_their_ends(path: str, end: list[float
     assert turns.max() < 0.2, "no corner"
 
 
+@pytest.mark.parametrize(
+    ("smooth", "plain"),
+    [
+        ("Q10 9 20 0S30 9 40 0", "Q10 9 20 0C20 0 30 9 40 0"),
+        ("q10 9 20 0t9-.5e1s10 9 20 0", "Q10 9 20 0T29 -5C29 -5 39 4 49 -5"),
+        ("C0 9 20 9 20 0T40 0", "C0 9 20 9 20 0Q20 0 40 0"),
+        ("C0 9 20 9 20 0S30 9 40 0t20 5t9 9", "C0 9 20 9 20 0S30 9 40 0Q40 0 60 5T69 14"),
+    ],
+)
+def test_a_smooth_curve_takes_no_direction_of_a_curve_of_another_kind(tmp_path: Path, smooth: str, plain: str) -> None:
+    drawn = []
+    for path in (
+        f'<path transform="translate(5 20)" stroke="black" fill="none" d="M0 0{data}"/>' for data in (smooth, plain)
+    ):
+        (tmp_path / "drawing.svg").write_text(f'<svg xmlns="http://www.w3.org/2000/svg" {SHEET}>{path}</svg>')
+        (stroke,) = read_drawing(tmp_path / "drawing.svg").painting.strokes
+        drawn.append([*strokes(path), 1e3 * np.array(stroke.trajectory)[:, :2]])
+    for ours, theirs in zip(*drawn, strict=True):
+        apart = cdist(ours, theirs)
+        assert max(apart.min(axis=0).max(), apart.min(axis=1).max()) < 0.5
+
+
 def test_a_circle_is_within_ten_micrometres_of_itself() -> None:
     (stroke,) = strokes('<circle cx="50" cy="25" r="20"/>')
     assert np.linalg.norm(stroke - [50, 25], axis=1) == pytest.approx(20, abs=0.01)
@@ -78,6 +102,30 @@ def test_a_circle_is_within_ten_micrometres_of_itself() -> None:
 def test_transforms_of_groups_and_shapes_are_applied() -> None:
     body = '<g transform="translate(10 20)"><g transform="scale(2)"><path transform="rotate(90)" d="M0 0L3 0"/></g></g>'
     assert ends(body) == [[[10, 20], [10, 26]]]
+
+
+@pytest.mark.parametrize(
+    "shape",
+    [
+        '<rect x="20" y="10" width="30" height="10"/>',
+        '<rect x="20" y="10" width="30" height="10" rx="3"/>',
+        '<circle cx="40" cy="20" r="10"/>',
+        '<ellipse cx="40" cy="20" rx="10" ry="5"/>',
+        '<path d="M20 10A9 5 30 0 1 40 20"/>',
+        '<line x1="20" y1="10" x2="40" y2="30"/>',
+    ],
+)
+@pytest.mark.parametrize(
+    "transform",
+    ["rotate(30)", "skewX(20)", "scale(-1 1) translate(-90)", "scale(1 .5) rotate(40)", "matrix(1 .2 -.3 1 9 2)"],
+)
+def test_every_shape_is_moved_as_its_points_are(shape: str, transform: str) -> None:
+    (still,), (moved,) = strokes(shape), strokes(f'<g transform="{transform}">{shape}</g>')
+    m = Matrix(transform)
+    there = still @ [[m.a, m.b], [m.c, m.d]] + [m.e, m.f]
+    apart = cdist(moved, there)
+    assert max(apart.min(axis=0).max(), apart.min(axis=1).max()) < 0.5
+    assert moved[[0, -1]] == pytest.approx(there[[0, -1]], abs=1e-5)
 
 
 def test_what_is_used_is_drawn_where_it_is_used_and_nowhere_else() -> None:
@@ -218,6 +266,48 @@ def test_percentages_of_moves_are_of_the_viewport_that_an_element_lies_in() -> N
     symbol = f'<symbol id="s" viewBox="0 0 40 40"><g style="translate: 50%">{LINE}</g></symbol>'
     assert ends(inner) == [[[10, 15], [15, 15]]]
     assert ends(f'{symbol}<use xlink:href="#s"/>') == [[[30, 10], [40, 10]]]
+
+
+@pytest.mark.parametrize(
+    ("body", "expected"),
+    [
+        ('<line x1="1em" y1="1rem" x2="2em" y2="2ex"/>', [[16, 16], [32, 16]]),
+        ('<line x1="10%" y1="10%" x2="50%" y2="10%"/>', [[10, 5], [50, 5]]),
+        ('<line x1="10" y1="what" x2="20"/>', [[10, 0], [20, 0]]),
+        ('<use href="#line" x="1em"/>', [[26, 10], [36, 10]]),
+        ('<svg x="10%" y="3" width="50" height="20"><use href="#line"/></svg>', [[20, 13], [30, 13]]),
+        ('<svg x="7" y="3" width="50" height="20"><line x2="10%" y2="10%"/></svg>', [[7, 3], [12, 5]]),
+        ('<svg x="7" y="3"><line x2="10%" y2="10%"/></svg>', [[7, 3], [17, 8]]),
+        ('<svg width="9" height="9" viewBox="0 0 9 9"/><line x2="10%" y2="10%"/>', [[0, 0], [10, 5]]),
+        (
+            '<svg width="0" height="9" viewBox="0 0 9 9"><path d="M0 0H1"/></svg><use href="#line"/>',
+            [[10, 10], [20, 10]],
+        ),
+        (f'<g transform="rotate(90)"><g style="transform: translate(8px, 2%)">{LINE}</g></g>', [[-11, 18], [-11, 28]]),
+    ],
+)
+def test_places_are_those_that_a_browser_takes(body: str, expected: list[list[float]]) -> None:
+    assert ends(f'<defs><path id="line" d="M10 10H20"/></defs>{body}') == [expected]
+
+
+def test_a_rectangle_takes_no_place_and_no_size_of_what_it_lies_in() -> None:
+    (drawn,) = strokes('<svg x="10" y="20" width="30" height="20"><rect width="5" height="4"/><rect height="4"/></svg>')
+    assert drawn[:3].tolist() == [[10, 20], [15, 20], [15, 24]]
+
+
+@pytest.mark.parametrize(
+    ("root", "size"),
+    [
+        ('width="10em" height="5em"', (160, 80)),
+        ('width="10 mm" height="1e1mm"', (9600 / 254, 9600 / 254)),
+        ('width="auto" height="auto"', None),
+        ('width="what" height="9"', None),
+    ],
+)
+def test_sides_of_the_page_are_in_any_unit_or_unknown(root: str, size: tuple[float, float] | None) -> None:
+    page = svg(LINE, f'{root} viewBox="0 0 100 50"')
+    assert (page.unit is None) == (size is None)
+    assert page.size == (None if size is None else pytest.approx(size))
 
 
 @pytest.mark.parametrize("root", ["", 'width="100%" height="100%"'])

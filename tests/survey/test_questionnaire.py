@@ -117,6 +117,18 @@ def test_a_folder_with_something_in_it_is_left_alone(tmp_path: Path) -> None:
     assert [path.name for path in (tmp_path / "survey").iterdir()] == ["answers.sqlite"]
 
 
+@pytest.mark.parametrize(
+    ("name", "says"),
+    [
+        ("x" * 300, "cannot look into .*: File name too long; choose another folder"),
+        ("a\0b", r"cannot make the folder .*a\?b: embedded null byte; choose another"),
+    ],
+)
+def test_a_folder_that_cannot_be_is_told(tmp_path: Path, name: str, says: str) -> None:
+    with pytest.raises(OutputError, match=says):
+        build(tmp_path / name, "Whose?", *sources(tmp_path / "sources"))
+
+
 @pytest.mark.parametrize(("title", "says"), [("", "at least 1"), ("two\nlines", "plain text"), ("x" * 121, "120")])
 def test_a_title_is_one_short_line(tmp_path: Path, title: str, says: str) -> None:
     with pytest.raises(InputError, match=rf"this is not a survey: title.*{says}"):

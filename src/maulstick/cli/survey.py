@@ -1,5 +1,8 @@
 """``maulstick survey``: links for the participants of a survey, their pages, and its results."""
 
+import re
+from contextlib import suppress
+from ipaddress import ip_address
 from pathlib import Path
 from typing import Annotated
 
@@ -13,7 +16,7 @@ from maulstick.storage.files import atomic_write
 from maulstick.storage.text import counted
 from maulstick.studio.server.link import pages_at
 from maulstick.survey.answers import Answers
-from maulstick.survey.questionnaire import read_survey_to_show
+from maulstick.survey.questionnaire import check_no_link, read_survey_to_show
 
 
 def survey(
@@ -39,6 +42,8 @@ def survey(
     """
     if not 1 <= port <= 65535:
         raise InputError.of_range("the port", port, "from 1 to 65535")
+    if not _is_address(host):
+        raise InputError.of_range("--host", repr(host), "an address or a name of this computer, as in 192.168.1.20")
     if results and links is not None:
         raise InputError("--links and --results were both given; run one after the other")
     if results:
@@ -50,6 +55,14 @@ def survey(
             print(f"{pages_at(host, port)}{token}")
     else:
         _serve(folder, host, port)
+
+
+def _is_address(host: str) -> bool:
+    """Return whether links can lead to a host: what else is typed, as a whole address of a page, leads nowhere."""
+    with suppress(ValueError):
+        ip_address(host)
+        return True
+    return re.fullmatch(r"[a-z0-9_-]+(\.[a-z0-9_-]+)*", host, re.IGNORECASE) is not None
 
 
 def _serve(folder: Path, host: str, port: int) -> None:
@@ -80,6 +93,8 @@ def _print_results(folder: Path) -> None:
             table.add_row(*map(Text, row))
         console.print(table)
 
+    out = folder / "answers.csv"
+    check_no_link(out, "table")
     found = results_of(folder)
     console = Console()
     print(f"{counted(found.links, 'link')}, {found.begun} began, {found.finished} finished")
@@ -88,6 +103,5 @@ def _print_results(folder: Path) -> None:
         show("How often it was the right one", right_rows(found.matching))
     if found.systems is not None:
         show("Opinions", opinions_rows(found.systems, found.opinions))
-    out = folder / "answers.csv"
     atomic_write(out, answers_csv(Answers(folder).all()))
     print(out, flush=True)

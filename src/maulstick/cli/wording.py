@@ -26,6 +26,7 @@ COMMAND_LINE: Final = Wording(
         Remedy.HOLD_PRESSURE: "plan it again with maulstick plan --pressure 0.5",
         Remedy.SLOW_DOWN: "slow all strokes down with --speed {millimetres}",
         Remedy.CLIP_WEIGHTS: "give a file of them with --clip-weights",
+        Remedy.MAKE_INK: "make ink of it with maulstick record ink",
         Remedy.CLIP_WEIGHTS_OR_NETWORK: "give a file of them with --clip-weights, or try again with a network",
     },
 )

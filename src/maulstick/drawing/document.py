@@ -1,7 +1,6 @@
 """Reading an SVG's XML, safely, and the lengths in it."""
 
 from dataclasses import dataclass
-from math import hypot
 from pathlib import Path
 from typing import Final, Self
 from xml.etree.ElementTree import Element, ParseError
@@ -11,7 +10,7 @@ from svgelements import Matrix, Viewbox  # type: ignore[import-untyped]
 
 from maulstick.errors import InputError
 from maulstick.recording.files.css import Style
-from maulstick.recording.files.lengths import pixels
+from maulstick.recording.files.lengths import Viewport, page_side
 from maulstick.recording.files.markup import parsed
 from maulstick.recording.files.svg_paths import PAGE, view_box
 from maulstick.recording.files.transforms import transform_of
@@ -43,26 +42,6 @@ def parsed_svg(content: bytes, path: Path) -> Element:
 
 
 @dataclass(frozen=True)
-class Viewport:
-    """Viewport whose width and height, in user units, percentages are taken of."""
-
-    width: float
-    height: float
-
-    def x(self, element: Element, name: str, otherwise: str = "0") -> float:
-        """Return an attribute that is a length along x, in user units; `otherwise` where it is none."""
-        return _length(element.get(name), otherwise, self.width)
-
-    def y(self, element: Element, name: str, otherwise: str = "0") -> float:
-        """Return an attribute that is a length along y, in user units; `otherwise` where it is none."""
-        return _length(element.get(name), otherwise, self.height)
-
-    def other(self, text: str | None) -> float:
-        """Return a length along neither, as a radius is, in user units."""
-        return pixels(text, hypot(self.width, self.height) / 2**0.5) or 0.0
-
-
-@dataclass(frozen=True)
 class Page:
     """Page of a drawing.
 
@@ -83,7 +62,7 @@ class Page:
         A side that is a percentage, or left out, is that of the viewBox in pixels.
         """
         view = view_box(root)
-        width, height = (_side(style.get(name)) or _side(root.get(name)) for name in ("width", "height"))
+        width, height = (page_side(style.get(name)) or page_side(root.get(name)) for name in ("width", "height"))
         said = view is not None or (width is not None and height is not None)
         if view is not None:
             if width is None and height is None:
@@ -97,16 +76,6 @@ class Page:
         matrix, viewport = viewed(root, (0.0, 0.0, width, height))
         moved = transform_of(style, width, height, "center")
         return cls(width, height, matrix * moved, viewport, said)
-
-
-def _length(text: str | None, otherwise: str, whole: float) -> float:
-    found = pixels(text, whole)
-    return (pixels(otherwise, whole) or 0.0) if found is None else found
-
-
-def _side(text: str | None) -> float | None:
-    """Return a side of the page in pixels, or None where it is no length, or of a whole that a page has not."""
-    return None if (text or "").strip().endswith("%") else pixels(text)
 
 
 def viewed(element: Element, place: tuple[float, float, float, float]) -> tuple[Matrix, Viewport]:

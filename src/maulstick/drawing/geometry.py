@@ -6,11 +6,11 @@ from xml.etree.ElementTree import Element
 import numpy as np
 from svgelements import Ellipse, Path, Rect  # type: ignore[import-untyped]
 
-from maulstick.drawing.document import NO_PLACE, Viewport
+from maulstick.drawing.document import NO_PLACE
 from maulstick.errors import InputError
-from maulstick.recording.files.lengths import pixels
+from maulstick.recording.files.lengths import Viewport, pixels
 from maulstick.recording.files.markup import local_name
-from maulstick.recording.files.svg_paths import CORNERED, chains_of, coordinates, is_whole
+from maulstick.recording.files.svg_paths import CORNERED, chains_of, coordinates, is_whole, parted
 from maulstick.storage.arrays import Floats
 
 
@@ -35,7 +35,7 @@ def is_shape(tag: str) -> bool:
 def _path(data: str) -> tuple[list[Floats], bool]:
     path = Path()
     try:
-        path.parse(data)
+        path.parse(parted(data))
     except (ValueError, TypeError, IndexError, AttributeError, ZeroDivisionError):
         return _chains(path), False
     return _chains(path), is_whole(data)

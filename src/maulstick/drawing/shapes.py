@@ -12,16 +12,17 @@ from xml.etree.ElementTree import Element
 import numpy as np
 from svgelements import Matrix  # type: ignore[import-untyped]
 
-from maulstick.drawing.document import INKSCAPE, SVG_SPACE, Page, Viewport, viewed
+from maulstick.drawing.document import INKSCAPE, SVG_SPACE, Page, viewed
 from maulstick.drawing.geometry import is_shape, outline
 from maulstick.drawing.lines import bounds_of
 from maulstick.errors import InputError
 from maulstick.painting.svg import OWN_LAYER
 from maulstick.recording.files.css import GEOMETRY, MOVES, Rgb, Style, colour_of, inherited, is_zero, referred, unread
+from maulstick.recording.files.lengths import Viewport
 from maulstick.recording.files.markup import local_name
 from maulstick.recording.files.style_sheet import StyleSheet
 from maulstick.recording.files.svg_paths import numbers
-from maulstick.recording.files.transforms import transform_of
+from maulstick.recording.files.transforms import moved, transform_of
 from maulstick.storage.arrays import Floats
 
 NEVER: Final = "%"
@@ -163,7 +164,6 @@ class Walk:
         chains, whole = outline(element, place.viewport)
         self.faulty += not whole
         m = place.matrix
-        turn, shift = np.array([[m.a, m.b], [m.c, m.d]]), np.array([m.e, m.f])
         style = place.style
         self.passed_over.update(
             "markers" for name in ("marker-start", "marker-mid", "marker-end") if referred(own.get(name))
@@ -175,7 +175,7 @@ class Walk:
             self.passed_over.add("dashes")
         if chains and m.determinant != 0:
             yield Shape(
-                [chain @ turn + shift for chain in chains],
+                [moved(chain, m) for chain in chains],
                 stroke,
                 colour_of(style, "fill", "black"),
                 style.get("clip-rule" if self._clipping else "fill-rule", "nonzero"),

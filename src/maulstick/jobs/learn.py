@@ -82,7 +82,7 @@ def _strokes_in(recorded: Recorded) -> Strokes:
         return _of_points(read_strokes(recorded), f" in {recorded}")
     if kind == TAKE:
         raise InputError(f"{recorded} holds a take", Remedy.READ_TAKE)
-    raise InputError(f"{recorded} is neither ink nor strokes; make ink of it with maulstick record ink")
+    raise InputError(f"{recorded} is neither ink nor strokes", Remedy.MAKE_INK)
 
 
 def _of_points(strokes: Strokes, where: str = "") -> Strokes:

@@ -12,6 +12,7 @@ from typing import final
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from maulstick.errors import InputError, OutputError, validation_fault
+from maulstick.survey.questionnaire import check_no_link
 from maulstick.survey.questions import Kind, Question
 
 MOST_LINKS = 1000
@@ -163,6 +164,7 @@ class Answers:
 
     @contextmanager
     def _opened(self) -> Iterator[sqlite3.Connection]:
+        check_no_link(self.path, "database")
         try:
             with closing(sqlite3.connect(self.path, timeout=_PATIENCE)) as database, database:
                 database.row_factory = sqlite3.Row

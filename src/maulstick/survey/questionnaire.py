@@ -18,7 +18,7 @@ from maulstick.storage.arrays import Image, kind_of
 from maulstick.storage.files import atomic_write, file_to_read
 from maulstick.storage.library import NAME
 from maulstick.storage.records import read_record, write_record
-from maulstick.storage.text import is_printable
+from maulstick.storage.text import is_printable, made_printable
 from maulstick.strokes.ink import KIND, read_ink
 
 LONGEST_PX: Final = 1024
@@ -157,8 +157,9 @@ def build(folder: str | Path, title: str, match: Match | None, opinions: Opinion
             made.replace(folder)  # which fails where something came into it meanwhile
     except OutputError:
         raise
-    except OSError as error:
-        raise OutputError(f"cannot make the folder {folder}: {error.strerror}; choose another") from error
+    except (OSError, ValueError) as error:  # the latter of letters that no name of a file has
+        told = getattr(error, "strerror", None) or error
+        raise OutputError(f"cannot make the folder {made_printable(str(folder))}: {told}; choose another") from error
     return survey
 
 
@@ -167,10 +168,14 @@ def read_survey(folder: str | Path) -> Survey:
     folder = Path(folder)
     survey = read_record(Survey, folder / _RECORD, "survey")
     for picture in survey.pictures():
-        path = file_to_read(folder / picture, "picture")
-        if path.is_symlink():  # or a survey that came by mail could show any file of this computer
-            raise InputError(f"{path} is a link; put the picture itself in its place")
+        check_no_link(file_to_read(folder / picture, "picture"), "picture")
     return survey
+
+
+def check_no_link(path: Path, what: str) -> None:
+    """Raise InputError where a file of a survey is a link: one that came by mail could show, or change, any file."""
+    if path.is_symlink():
+        raise InputError(f"{path} is a link; put the {what} itself in its place")
 
 
 def read_survey_to_show(folder: Path) -> Survey:
@@ -183,10 +188,11 @@ def read_survey_to_show(folder: Path) -> Survey:
 
 def _check_new(folder: Path) -> None:
     try:
-        if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
-            raise OutputError(f"{folder} is already there; choose a new folder for the survey")
-    except PermissionError as error:
+        taken = folder.exists() and (not folder.is_dir() or any(folder.iterdir()))
+    except OSError as error:
         raise OutputError(f"cannot look into {folder}: {error.strerror}; choose another folder") from error
+    if taken:
+        raise OutputError(f"{folder} is already there; choose a new folder for the survey")
 
 
 def _pixels(source: Path) -> Image:

@@ -1,6 +1,9 @@
 """Lengths of CSS in pixels."""
 
 import re
+from dataclasses import dataclass
+from math import hypot
+from xml.etree.ElementTree import Element
 
 from maulstick.recording.files.markup import METRES
 
@@ -19,3 +22,33 @@ def pixels(text: str | None, whole: float = 0.0) -> float | None:
     if unit in _FONT_UNITS:
         return number * _FONT_UNITS[unit]
     return number * METRES[unit or "px"] / METRES["px"] if unit in (*METRES, "") else None
+
+
+def page_side(text: str | None) -> float | None:
+    """Return a side of the page in pixels, or None where it is no length, or of a whole that a page has not."""
+    return None if (text or "").strip().endswith("%") else pixels(text)
+
+
+@dataclass(frozen=True)
+class Viewport:
+    """Viewport whose width and height, in user units, percentages are taken of."""
+
+    width: float
+    height: float
+
+    def x(self, element: Element, name: str, otherwise: str = "0") -> float:
+        """Return an attribute that is a length along x, in user units; `otherwise` where it is none."""
+        return _length(element.get(name), otherwise, self.width)
+
+    def y(self, element: Element, name: str, otherwise: str = "0") -> float:
+        """Return an attribute that is a length along y, in user units; `otherwise` where it is none."""
+        return _length(element.get(name), otherwise, self.height)
+
+    def other(self, text: str | None) -> float:
+        """Return a length along neither, as a radius is, in user units."""
+        return pixels(text, hypot(self.width, self.height) / 2**0.5) or 0.0
+
+
+def _length(text: str | None, otherwise: str, whole: float) -> float:
+    found = pixels(text, whole)
+    return (pixels(otherwise, whole) or 0.0) if found is None else found

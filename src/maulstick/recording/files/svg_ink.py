@@ -1,7 +1,6 @@
 """Reader of SVG: every shape that is not hidden is a stroke, also one without an outline and a fill."""
 
 import io
-import re
 from xml.etree.ElementTree import Element, tostring
 
 import numpy as np
@@ -9,16 +8,17 @@ from svgelements import SVG, Path, Rect, Shape  # type: ignore[import-untyped]
 
 from maulstick.errors import InputError
 from maulstick.recording.files.curves import polylines
+from maulstick.recording.files.lengths import page_side, pixels
 from maulstick.recording.files.markup import METRES, local_name, parsed
 from maulstick.recording.files.page import Page
 from maulstick.recording.files.svg_paths import CORNERED, chains_of, check_uses, coordinates, is_whole
-from maulstick.recording.files.svg_styles import write_styles
+from maulstick.recording.files.svg_styles import write_attributes
+from maulstick.recording.files.transforms import moved
 from maulstick.storage.arrays import Floats
 
 _NEVER_DRAWN = ("symbol", "marker", "mask", "pattern", "clipPath")  # elements that are drawn only by reference
 _FAULTY = "faulty"  # attribute of elements whose points were cut at a fault
 _NEAR_EDGE = 0.5  # pixels from the page's edge that its paper may begin or end at: programs round lengths
-_CONVERT = "; convert text and objects to paths in the drawing program"
 _LARGEST = 12 * 2**20  # characters, after every <use> is replaced: takes up to a minute
 
 
@@ -31,28 +31,36 @@ def read_svg(content: bytes) -> Page:
     """
     root = parsed(content, "svg")
     check_uses(root, _LARGEST)
-    write_styles(root)
+    write_attributes(root)
     _hide(root)
     _cut_at_faults(root)
-    across, down = _metres(root.get("width")), _metres(root.get("height"))
-    if across and down and root.get("viewBox") is None:  # without one svgelements swaps what 100 % of each side is
-        root.set("viewBox", f"0 0 {across / METRES['px']} {down / METRES['px']}")
-    document = SVG.parse(io.BytesIO(tostring(root)), on_error="raise")
-    if document is None:  # its outermost element has no display
-        raise InputError(f"there is no path or shape in it{_CONVERT}")
-    width, height = float(document.width), float(document.height)
-    shapes = [shape for shape in document.elements() if isinstance(shape, Shape) and _is_visible(shape)]
+    is_sized = _write_sides(root)
+    if is_sized and root.get("viewBox") is None:  # without one svgelements swaps what 100 % of each side is
+        root.set("viewBox", f"0 0 {root.get('width')} {root.get('height')}")
+    # svgelements' own moving of shapes knows no turned rectangle, and no arc that is skewed.
+    document = SVG.parse(io.BytesIO(tostring(root)), on_error="raise", reify=False)
+    elements = () if document is None else document.elements()  # None where its outermost element has no display
+    shapes = [shape for shape in elements if isinstance(shape, Shape) and _is_visible(shape)]
     has_page = root.get("viewBox") is not None or (root.get("width") and root.get("height"))
-    drawn = [shape for shape in shapes if not (has_page and _is_paper(shape, width, height))]
-    chains = [chain for shape in drawn for chain in chains_of(Path(shape))]
+    drawn = [shape for shape in shapes if not (has_page and _is_paper(shape, document.width, document.height))]
+    chains = [moved(chain, shape.transform) for shape in drawn for chain in chains_of(Path(shape))]
     if not chains:
-        fault = (
-            "there is nothing but the page's paper in it" if shapes and not drawn else "there is no path or shape in it"
-        )
-        raise InputError(fault + _CONVERT)
-    unit = across / width if across and down and width > 0 and height > 0 else None
+        there_is = "nothing but the page's paper" if shapes and not drawn else "no path or shape"
+        raise InputError(f"there is {there_is} in it; convert text and objects to paths in the drawing program")
     strokes = [_stroke(points) for points in polylines(chains)]
-    return Page(strokes, unit, None if unit is None else (width, height), "SVG", sum(map(_is_faulty, drawn)))
+    unit, size = (METRES["px"], (document.width, document.height)) if is_sized else (None, None)
+    return Page(strokes, unit, size, "SVG", sum(map(_is_faulty, drawn)))
+
+
+def _write_sides(root: Element) -> bool:
+    """Write the sides of the page in pixels, without what is no length; return whether both are known."""
+    sides = {name: page_side(root.get(name)) for name in ("width", "height")}
+    for name, side in sides.items():
+        if side is not None:
+            root.set(name, repr(side))
+        elif pixels(root.get(name)) is None:
+            root.attrib.pop(name, None)
+    return all(side is not None and side > 0 for side in sides.values())
 
 
 def _hide(root: Element) -> None:
@@ -92,12 +100,6 @@ def _is_paper(shape: Shape, width: float, height: float) -> bool:
         return False
     left, upper, right, lower = box
     return bool(max(left, upper) < _NEAR_EDGE and min(right - width, lower - height) > -_NEAR_EDGE)
-
-
-def _metres(side: str | None) -> float | None:
-    """Return a CSS length in metres, or None where it is not one."""
-    match = re.fullmatch(r"\s*\+?(\d+\.?\d*|\.\d+)\s*(|px|mm|cm|q|in|pt|pc)\s*", (side or "").lower())
-    return float(match[1]) * METRES[match[2] or "px"] if match else None
 
 
 def _stroke(points: Floats) -> Floats:

@@ -21,6 +21,7 @@ PAGE: Final = 1000.0
 _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 _COORDINATE = re.compile(rf"({_NUMBER.pattern})\s*,?\s*")
 _FOREIGN = re.compile(r"[^MmZzLlHhVvCcSsQqTtAaEe\d.,+\-\s]")  # to a path's data: svgelements ends there in silence
+_TURN = re.compile(r"([QqTt][^A-DF-Za-df-z]*(?=[Ss])|[CcSs][^A-DF-Za-df-z]*(?=[Tt]))")  # to a curve of another kind
 _ELEMENT = 32  # characters that an element counts in addition to its attributes
 
 
@@ -34,6 +35,14 @@ def chains_of(path: Path) -> Iterator[Floats]:
         cubics += _cubics(segment)
     if cubics:
         yield _points(cubics)
+
+
+def parted(data: str) -> str:
+    """Return a path's data with a step of no length before each S behind a quadratic curve, and each T behind a cubic.
+
+    Such a curve takes no direction of the one before (SVG 1.1, 8.3.6), but svgelements has it go on as that ended.
+    """
+    return _TURN.sub(r"\1l0 0", data)
 
 
 def is_whole(data: str) -> bool:

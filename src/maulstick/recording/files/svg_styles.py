@@ -1,36 +1,45 @@
-"""Styles of an SVG for svgelements, which knows few selectors, and of CSS's moves `transform` alone."""
+"""Attributes of an SVG as svgelements can read them.
+
+It knows few selectors, and of CSS's moves `transform` alone. A box without a place or a size gets that of one around
+it, percentages in and after an inner <svg> are of the wrong viewport, and ``em`` is an error.
+"""
 
 from xml.etree.ElementTree import Element
 
 from maulstick.recording.files.css import GEOMETRY, INHERITED, MOVES, READ
-from maulstick.recording.files.lengths import pixels
+from maulstick.recording.files.lengths import Viewport
 from maulstick.recording.files.markup import local_name
 from maulstick.recording.files.style_sheet import StyleSheet
-from maulstick.recording.files.svg_paths import PAGE, view_box
+from maulstick.recording.files.svg_paths import PAGE, parted, view_box
 from maulstick.recording.files.transforms import transform_of
 
 _MOVED = MOVES | {"transform-origin"}  # properties for which a transform is written anew
+_ALONG_X = {  # lengths of elements, whose others along y are called alike
+    "circle": ("cx",),
+    "ellipse": ("cx", "rx"),
+    "line": ("x1", "x2"),
+    "rect": ("x", "width", "rx"),
+    "svg": ("x", "width"),
+    "use": ("x",),
+}
 
-Size = tuple[float, float]
-"""Width and height of a viewport, in user units: what percentages are of."""
 
-
-def write_styles(root: Element) -> None:
-    """Write what style sheets and styles say of the elements of a document into their attributes, moves as matrices.
+def write_attributes(root: Element) -> None:
+    """Write what style sheets and styles say of elements into their attributes, moves as matrices, lengths in pixels.
 
     The outermost element is not moved, and gets only what is inherited and whether it is shown.
     """
     sheet = StyleSheet(root)
     styles = {element: sheet.of(element) for element in root.iter()}
     root.attrib.update({name: styles[root][name] for name in (*INHERITED, "display") if name in styles[root]})
-    _write(root, styles, _viewport(root, (PAGE, PAGE)))
+    _write(root, styles, _inside(root, Viewport(PAGE, PAGE)))
 
 
-def _write(parent: Element, styles: dict[Element, dict[str, str]], size: Size) -> None:
+def _write(parent: Element, styles: dict[Element, dict[str, str]], viewport: Viewport) -> None:
     for element in parent:
         own = styles[element]
-        if own.keys() & _MOVED:
-            m = transform_of(own, *size)
+        if own.keys() & _MOVED or "%" in own.get("transform", ""):  # which svgelements does not turn
+            m = transform_of(own, viewport.width, viewport.height)
             own = {**own, "transform": f"matrix({m.a!r} {m.b!r} {m.c!r} {m.d!r} {m.e!r} {m.f!r})"}
         for name in READ:
             element.attrib.pop(name, None)
@@ -38,14 +47,35 @@ def _write(parent: Element, styles: dict[Element, dict[str, str]], size: Size) -
         element.attrib.pop("style", None)
         if local_name(element) == "style":
             element.text = ""
-        _write(element, styles, _viewport(element, size))
+        if local_name(element) == "path":
+            element.set("d", parted(element.get("d", "")))
+        _write_lengths(element, viewport)
+        _write(element, styles, _inside(element, viewport))
 
 
-def _viewport(element: Element, outside: Size) -> Size:
-    """Return the size of the viewport inside an element; most have none of their own."""
+def _write_lengths(element: Element, viewport: Viewport) -> None:
+    tag = local_name(element)
+    for x in _ALONG_X.get(tag, ()):
+        y = x.replace("x", "y").replace("width", "height")
+        whole = "100%" if (tag, x) == ("svg", "width") else "0"
+        for name, length in ((x, viewport.x(element, x, whole)), (y, viewport.y(element, y, whole))):
+            if name in element.attrib or not name.startswith("r"):  # a radius that is left out is the other
+                element.set(name, repr(length))
+    if tag == "circle":
+        element.set("r", repr(viewport.other(element.get("r"))))
+    if tag == "svg":
+        width, height = element.get("width", ""), element.get("height", "")
+        if min(float(width), float(height)) <= 0:  # svgelements would end there
+            element.set("display", "none")
+        elif view_box(element) is None:  # or svgelements would not move it
+            element.set("viewBox", f"0 0 {width} {height}")
+
+
+def _inside(element: Element, outside: Viewport) -> Viewport:
+    """Return the viewport inside an element; most have none of their own."""
     if local_name(element) not in ("svg", "symbol"):
         return outside
     if (view := view_box(element)) is not None:
-        return view[2], view[3]
-    sides = [pixels(element.get(name, "100%"), whole) for name, whole in zip(("width", "height"), outside, strict=True)]
-    return sides[0] or outside[0], sides[1] or outside[1]
+        return Viewport(view[2], view[3])
+    width, height = outside.x(element, "width", "100%"), outside.y(element, "height", "100%")
+    return Viewport(width or outside.width, height or outside.height)

@@ -3,10 +3,12 @@
 import re
 from math import tau
 
+import numpy as np
 from svgelements import Matrix  # type: ignore[import-untyped]
 
 from maulstick.recording.files.css import Style
 from maulstick.recording.files.lengths import pixels
+from maulstick.storage.arrays import Floats
 
 _PPI = 96  # pixels per inch, as CSS has it
 _SIDES = {"left": "0%", "top": "0%", "center": "50%", "right": "100%", "bottom": "100%"}
@@ -23,11 +25,17 @@ def transform_of(style: Style, width: float, height: float, origin: str = "") ->
 
     width, height: what percentages are of.  origin: the usual one.  A part that is faulty is none, as in browsers.
     """
-    moved = _listed(style.get("transform", ""), width, height)
-    moved *= _scaled(style.get("scale", "")) * _turned(style.get("rotate", ""))
-    moved *= _shifted(style.get("translate", ""), width, height)
+    matrix = _listed(style.get("transform", ""), width, height)
+    matrix *= _scaled(style.get("scale", "")) * _turned(style.get("rotate", ""))
+    matrix *= _shifted(style.get("translate", ""), width, height)
     x, y = _origin(style.get("transform-origin", origin), width, height)
-    return Matrix.translate(-x, -y) * moved * Matrix.translate(x, y)
+    return Matrix.translate(-x, -y) * matrix * Matrix.translate(x, y)
+
+
+def moved(points: Floats, m: Matrix) -> Floats:
+    """Return points (..., 2) where a matrix takes them."""
+    there: Floats = points @ np.array([[m.a, m.b], [m.c, m.d]]) + np.array([m.e, m.f])
+    return there
 
 
 def _listed(text: str, width: float, height: float) -> Matrix:
