@@ -238,8 +238,9 @@ class PlanOptions:
         ways = [option(name) for name, value in given.items() if value is not None]
         if len(ways) > 1:
             raise InputError(f"{ways[0]} and {ways[1]} are two ways to say what to paint with; leave one of them out")
-        if self.paints is not None and self.strokes != AUTO:
-            check_whole("paints", self.paints, 1, self.strokes, f"from 1 to the {counted(self.strokes, 'stroke')}")
+        strokes = MOST_AUTO if self.strokes == AUTO else self.strokes
+        if self.paints is not None:
+            check_whole("paints", self.paints, 1, strokes, f"from 1 to the {counted(strokes, 'stroke')}")
 
 
 def colours_in(said: str) -> tuple[str, ...]:
