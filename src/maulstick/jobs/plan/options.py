@@ -12,6 +12,7 @@ from maulstick.errors import InputError, option
 from maulstick.kinds import check_kinds, check_whole
 from maulstick.painting.edit import WHOLE, Crop, PictureEdit
 from maulstick.painting.fit import FITS
+from maulstick.painting.picture import READ_PX
 from maulstick.painting.raster import is_turned_by_picture, parse_margin, parse_sheet
 from maulstick.planning.weights import check_weights
 from maulstick.robot.machines import only_lifts
@@ -53,6 +54,7 @@ USUAL_PRESSURE: Final = 0.5
 
 _USUAL_PAINTS = 12  # paints by default: as many as a person is willing to mix
 _MOST_STEPS = 1_000_000  # largest number of steps, which takes hours to days
+_FINER = 2  # times as fine as the canvas, as `READ_PX` is for the largest in one piece
 _FEWEST_PX, _MOST_PX = 16, 32_768  # pixels over the picture's height: a thumbnail, a mural
 
 
@@ -207,6 +209,11 @@ class PlanOptions:
     def edit(self) -> PictureEdit:
         """Corrections of the picture."""
         return PictureEdit.of(vars(self))
+
+    @property
+    def read_px(self) -> int:
+        """Longest side of the picture as it is read, pixels: a mural shows as much of it as there is."""
+        return max(READ_PX, _FINER * (self.px or 0))
 
     @property
     def inks(self) -> tuple[str, ...]:
