@@ -67,7 +67,15 @@ class Tool:
         with easel.at_work(sheet) as workplace, TemporaryDirectory() as folder:
             photographs = collect(sheet, workplace, easel.photograph, Path(folder), each=False)
             room = room_of(self.nominal)
-            trials = trials_of(sheet, photographs, Path(folder) / "trials", medium=self.medium, depth=depth, room=room)
+            trials = trials_of(
+                sheet,
+                photographs,
+                Path(folder) / "trials",
+                pixels_per_metre=_FLAT,
+                medium=self.medium,
+                depth=depth,
+                room=room,
+            )
             return fit_brush(trials, trials.pixels_per_metre, self.medium, source=self.medium, depth=depth).brush
 
 

@@ -210,7 +210,9 @@ def numbered(*numbers: int) -> dict[int, Image]:
 def test_each_trial_has_the_photographs_next_to_its_stroke(
     tmp_path: Path, numbers: list[int], befores: list[int]
 ) -> None:
-    trials = trials_of(SIX, numbered(*numbers), tmp_path / "trials", medium="x", depth=(0, 1e-3), room=2e-3)
+    trials = trials_of(
+        SIX, numbered(*numbers), tmp_path / "trials", pixels_per_metre=PER_METRE, medium="x", depth=(0, 1e-3), room=2e-3
+    )
     assert (len(trials), trials.depth, trials.pixels_per_metre) == (6, (0, 1e-3), pytest.approx(PER_METRE))
     for stroke, (trial, before) in enumerate(zip(trials, befores, strict=True)):
         after = next(number for number in numbers if number > stroke)
@@ -223,7 +225,9 @@ def test_a_trial_is_cut_out_around_its_stroke_and_its_path_goes_with_it(tmp_path
     down, across = np.mgrid[: PIXELS[0], : PIXELS[1]]
     places = np.stack([across / PIXELS[1], down / PIXELS[0], 0 * down], axis=2).astype(np.float32)
     photographs = {0: np.ones_like(places), 6: places}
-    trials = trials_of(SIX, photographs, tmp_path / "trials", medium="x", depth=(0, 0), room=2e-3)
+    trials = trials_of(
+        SIX, photographs, tmp_path / "trials", pixels_per_metre=PER_METRE, medium="x", depth=(0, 0), room=2e-3
+    )
     for trial, stroke in zip(trials, SIX.strokes, strict=True):
         path = np.array(stroke.trajectory)
         x, y = trial.after[0, 0, :2] * (PIXELS[1], PIXELS[0])
@@ -235,11 +239,34 @@ def test_a_trial_is_cut_out_around_its_stroke_and_its_path_goes_with_it(tmp_path
         assert (size <= room + 2 / PER_METRE).all()
 
 
+def test_a_stroke_far_from_the_corner_keeps_its_place_where_the_sheet_ends_within_a_pixel(tmp_path: Path) -> None:
+    width, height, scale = 0.4, 0.0109, 1000.0  # 10.9 pixels high, and so 11
+    stroke = SIX.strokes[0].model_copy(update={"trajectory": ((0.38, 0.005, 0.5), (0.39, 0.005, 0.5))})
+    size = {"sheet": Sheet(width=width, height=height), "strokes": (stroke,)}
+    wide = np.zeros((11, 400, 3), dtype=np.float32)
+    wide[:, 375] = 1.0  # 375 to 376 mm from the left
+    photographs = {0: np.zeros_like(wide), 1: wide}
+    trials = trials_of(
+        SIX.model_copy(update=size),
+        photographs,
+        tmp_path / "trials",
+        pixels_per_metre=scale,
+        medium="x",
+        depth=(0, 0),
+        room=8e-3,
+    )
+    (trial,) = trials
+    (column,) = np.flatnonzero(trial.after[0, :, 0])
+    assert trial.path[0, 0] - column / trials.pixels_per_metre == pytest.approx(0.38 - 0.375, abs=EXECUTED_PATH)
+
+
 def test_a_trial_s_path_is_refined_as_the_machine_drew_it(tmp_path: Path) -> None:
     bow = SIX.strokes[0].model_copy(update={"trajectory": ((0.01, 0.01, 0.2), (0.03, 0.02, 0.2), (0.05, 0.01, 0.2))})
     painting = SIX.model_copy(update={"strokes": (bow,)})
     (drawn,) = (action.motion.path for action in routine(painting, EASEL, LIMITS) if isinstance(action, Draw))
-    trials = trials_of(painting, numbered(0, 1), tmp_path / "trials", medium="x", depth=(0, 0), room=2e-3)
+    trials = trials_of(
+        painting, numbered(0, 1), tmp_path / "trials", pixels_per_metre=PER_METRE, medium="x", depth=(0, 0), room=2e-3
+    )
     (path,) = (trial.path for trial in trials)
     assert len(path) == len(drawn) > 3
     shift = path[0, :2] - drawn[0, :2] * (1, -1)
@@ -251,11 +278,21 @@ def test_trials_without_a_photograph_of_the_end_are_refused(tmp_path: Path) -> N
         with pytest.raises(
             InputError, match=f"there is no photograph of the sheet with {missing} strokes on it; take one"
         ):
-            trials_of(SIX, numbered(there), tmp_path / "trials", medium="x", depth=(0, 0), room=1e-3)
+            trials_of(
+                SIX,
+                numbered(there),
+                tmp_path / "trials",
+                pixels_per_metre=PER_METRE,
+                medium="x",
+                depth=(0, 0),
+                room=1e-3,
+            )
     (tmp_path / "trials").mkdir()
     (tmp_path / "trials" / "mine").touch()
     with pytest.raises(OutputError, match="is not empty"):
-        trials_of(SIX, numbered(0, 6), tmp_path / "trials", medium="x", depth=(0, 0), room=1e-3)
+        trials_of(
+            SIX, numbered(0, 6), tmp_path / "trials", pixels_per_metre=PER_METRE, medium="x", depth=(0, 0), room=1e-3
+        )
 
 
 # All of it on the simulated easel.
@@ -271,13 +308,21 @@ def test_what_is_collected_on_the_easel_tells_where_strokes_land(tmp_path: Path)
     robot = SimulatedEasel(ink, offset=OFFSET)
     tags = TagFrame(side, side)
     camera = SimulatedCamera(ink.image, ink.canvas, np.random.default_rng(0), tags=tags)
-    eye = Eye.opened(camera, Canvas(side, side, 2500), tags)
+    eye = Eye.opened(camera, flat := Canvas(side, side, 2500), tags)
     write_painting(painting, tmp_path / "practice.json")
     with Journal.open(tmp_path / "practice.log.jsonl") as journal, robot:
         journal.revise(tmp_path / "practice.json")
         place = Workplace(robot, robot.easel(side, side), journal, lambda ask: None)
         taken = collect(painting, place, lambda: eye.look().image, tmp_path, each=False)
-    trials = trials_of(painting, taken, tmp_path / "trials", medium="pen", depth=(0, 2e-3), room=room_of(like))
+    trials = trials_of(
+        painting,
+        taken,
+        tmp_path / "trials",
+        pixels_per_metre=flat.pixels_per_metre,
+        medium="pen",
+        depth=(0, 2e-3),
+        room=room_of(like),
+    )
     brush = fit_brush(trials, trials.pixels_per_metre, "pen", source="a test", depth=trials.depth).brush
     path = painting.trajectories()[0]
     landed = (brush.mark(path) - path)[:, :2].mean(axis=0)

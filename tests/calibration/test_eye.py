@@ -206,6 +206,14 @@ def test_an_unplugged_camera_and_a_dark_room_say_what_to_do(studio: Studio, eye:
     assert away(eye.look().image) < PICTURE
 
 
+def test_a_camera_that_does_not_move_is_refused_for_a_sheet_that_it_does_not_see_all_of(studio: Studio) -> None:
+    larger = Canvas(2 * CANVAS.width, 2 * CANVAS.height, CANVAS.pixels_per_metre)
+    with pytest.raises(
+        InputError, match=r"corner of the sheet is at .* outside the photograph .*; let the camera see all of it"
+    ):
+        Eye.opened(studio.camera, larger, TAGS, (PAPER,) * 3, view=studio.look()[1])
+
+
 def test_a_photograph_of_another_size_is_taken_again_as_any_that_fails(
     studio: Studio, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -82,6 +82,7 @@ def test_the_catalogue_of_pens_is_listed_with_the_own_ones(here: Path) -> None:
     PENS.own().mkdir(parents=True)
     mine = '{"maker": "Nobody", "model": "0.7", "kind": "gel pen", "width": 0.0007, "colour": "#1a33b2"}'
     (PENS.own() / "mine.json").write_text(mine)
+    (PENS.own() / "fineliner.json").write_text(mine)
     (PENS.own() / "torn.json").write_text(mine[:9])
     write_brush(Brush(name="micron-03", source="photographs", alpha=0, beta=2e-4), BRUSHES.own() / "micron-03.json")
     ran = run("brush", "pens")
@@ -90,6 +91,7 @@ def test_the_catalogue_of_pens_is_listed_with_the_own_ones(here: Path) -> None:
     assert listed["micron-01"] == "0.25 mm #000000 fineliner Sakura Pigma Micron 01"
     assert listed["mine"] == "0.7 mm #1a33b2 gel pen your own: Nobody 0.7"
     assert listed["micron-03"] == "0.4 mm #000000 fineliner your own brush: photographs"
+    assert listed["fineliner"].startswith("0.312 mm #1a33b2 gel pen a brush that comes with Maulstick: a fineliner, ")
     assert "torn.json is not a pen" in listed["torn"]
 
 

@@ -195,6 +195,7 @@ def test_every_kind_of_picture_is_painted_upright_and_unstretched(
         (["--demo", "--strokes", "1000000"], "--strokes is 1000000; it must be from 1 to 100000"),
         (["--demo", "--paints", "0"], "--paints is 0; it must be from 1 to the 400 strokes"),
         (["--demo", "--strokes", "5", "--paints", "6"], "--paints is 6; it must be from 1 to the 5 strokes"),
+        (["--demo", "--strokes", "auto", "--paints", "-3"], "--paints is -3; it must be from 1 to the 10,000 strokes"),
         (["--demo", "--steps", "0"], "--steps is 0; it must be from 1 to 1000000"),
         (["--demo", "--px", "-1"], "--px is -1; it must be from 16 to 32768"),
         (["--demo", "--px", "50000"], "--px is 50000; it must be from 16 to 32768"),

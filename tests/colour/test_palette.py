@@ -122,6 +122,15 @@ def test_swatches_show_each_paint_in_a_row_of_its_own() -> None:
     assert sheet.size == unlabelled.size
 
 
+def test_a_long_name_is_not_cut_off() -> None:
+    short, long = (swatches([(0, 0, 0)], [f"{name}   1.25 m"]) for name in ("m", "m" * 80))
+    assert np.asarray(short.convert("L"))[:, 152:].min() < 128
+    ink = np.flatnonzero(np.asarray(long.convert("L")).min(axis=0) < 128)
+    assert long.width - 16 < ink.max() < long.width - 1
+    assert ink.max() > 80 * 10
+    assert short.width == 480
+
+
 def test_no_paints_make_a_sheet_without_swatches() -> None:
     assert swatches([], []).getcolors() == [(480 * 56, (255, 255, 255))]
 

@@ -296,3 +296,15 @@ def test_the_mark_of_a_path_whose_ends_are_repeated_is_as_broad_as_it_is_drawn()
     trajectory = np.column_stack([path, np.full(len(path), 0.5)])
     drawn = Traj2Stroke.of([brush]).marks(torch.from_numpy(trajectory).float()[None], 1.0)
     assert brush.bare_mark(trajectory)[1] == pytest.approx(drawn.thickness[0].numpy(), rel=1e-5)
+
+
+@pytest.mark.parametrize(("pressure", "opacity"), [(0.0, 0.32), (0.25, 0.56), (0.5, 0.8), (1.0, 0.8)])
+def test_a_stroke_is_as_opaque_by_its_number_as_a_held_brush_and_as_it_is_drawn(
+    pressure: float, opacity: float
+) -> None:
+    brush = load_brush("round").model_copy(update={"opacity": 0.8, "faint": 0.4, "solid": 0.5})
+    assert brush.opacity_at(pressure) == pytest.approx(opacity)
+    trajectory = np.array([[0.01, 0.01, pressure], [0.03, 0.02, pressure]])
+    drawn = Traj2Stroke.of([brush]).marks(torch.tensor(trajectory[None], dtype=torch.float32), 1000.0)
+    assert brush.bare_mark(trajectory)[2] == pytest.approx(drawn.opacity.item(), rel=FLOAT32_VALUE)
+    assert brush.held_at(max(pressure, 0.01)).opacity == pytest.approx(brush.opacity_at(max(pressure, 0.01)))

@@ -85,7 +85,6 @@ def plan(
         )
         changes["brush"] = names_of(brushes)
     path = Path(picture) if isinstance(picture, str | Path) else None
-    image = None if picture is None or path is not None else image_of(picture)
     if before is not None:
         options, changes = options or planned_before(before.painting, changes), changes if options else {}
         if picture is None and isinstance(again, str | Path):
@@ -93,6 +92,7 @@ def plan(
     if picture is None and changes.get("text") is None and (options is None or options.text is None):
         raise InputError("there is nothing to paint; give a picture, or a text")
     asked = replace(options or PlanOptions(), **changes)
+    image = None if picture is None or path is not None else image_of(picture, asked.read_px)
     prepared = prepare(
         PlanRequest(path, asked, workers=workers),
         image,

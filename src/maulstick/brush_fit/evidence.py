@@ -23,7 +23,7 @@ ENOUGH = 20
 _SAMPLE = 12  # trials from which the size of all windows is found
 _FAR = 15e-3  # metres around the paths of these
 _LARGER, _MORE = 1.25, 1.5e-3  # factor and metres by which windows are larger than the marks in them
-_MOST, _MOST_PER_STROKE = 9e6, 1e4  # pixel values in all windows, and in one; finer photographs are reduced
+_ALL, _PER_STROKE = 9e6, 1e4  # pixel values in all windows, and in one, about: finer photographs are reduced to that
 
 
 @dataclass(frozen=True)
@@ -70,7 +70,7 @@ def read_evidence(
         reach = _LARGER * float(np.quantile([extent(window, pixels_per_metre) for window in seen], 0.9)) + _MORE
         sides = np.array([np.ptp(w.path[:, :2], axis=0) + 2 * reach for w in seen]) * pixels_per_metre
         values = sides.prod(axis=1).mean() * seen[0].after.shape[2]
-        reduced = max(1, round(float(np.sqrt(values / min(_MOST_PER_STROKE, _MOST / len(trials))))))
+        reduced = max(1, round(float(np.sqrt(values / min(_PER_STROKE, _ALL / len(trials))))))
         seen, left_out = _look_at(
             trials,
             range(len(trials)),

@@ -78,6 +78,10 @@ class CameraView(BaseModel):
         ideal = bent * straight / np.maximum(distance, 1e-12) + self.centre
         return _mapped(np.linalg.inv(np.array(self.homography)), ideal)
 
+    def check_sees(self, width: float, height: float) -> None:
+        """Raise InputError where a corner of a sheet of that size, metres, is outside the photograph."""
+        _check_seen(self.to_photo(_outline(width, height)), self.size, "let the camera see all of it")
+
     def rectify(self, photo: Image, canvas: Canvas, margin: float = 0.0) -> Image:
         """Rectify the photograph (H, W, 3): returns the sheet, flat, in the canvas' pixels, (height_px, width_px, 3).
 
@@ -145,7 +149,7 @@ def locate(photo: Image, frame: TagFrame) -> CameraView:
             f"a tag is {far:.0f} mm off its place beside {wanted}; put the cards right or mend those sizes"
         )
     view = _view(size, numbers)
-    _check_seen(view.to_photo(_outline(frame.width, frame.height)), size, "let the camera see all of it")
+    view.check_sees(frame.width, frame.height)
     error = _standard_error(view, numbers, covariance, frame)
     return view.model_copy(update={"tags": tuple(found), "error": error})
 

@@ -11,7 +11,6 @@ from maulstick.brush_fit.trials import Trials
 from maulstick.errors import InputError
 from maulstick.painting.painting import Painting
 from maulstick.painting.picture import encode_png, read_picture
-from maulstick.painting.raster import Canvas
 from maulstick.painting.refined import refined
 from maulstick.robot.room import check_accepted
 from maulstick.robot.routine import ways_of
@@ -117,6 +116,7 @@ def trials_of(
     photographs: Mapping[int, Image],
     folder: Path,
     *,
+    pixels_per_metre: float,
     medium: str,
     depth: tuple[float, float],
     room: float,
@@ -124,6 +124,8 @@ def trials_of(
     """Write the strokes of a painting, drawn apart in its order, as trials into a new folder.
 
     photographs: of the flat sheet (h, w, 3), by the number of strokes on it; at least with none and with all of them.
+    pixels_per_metre: of the photographs; the last pixel of a side may lie only half on the sheet, so their size does
+    not tell it.
     depth: metres below first touch at pressure 0 and at pressure 1.  room: metres around each stroke that are cut out.
     Raises InputError where a photograph is missing, OutputError where the folder cannot be written.
     """
@@ -133,15 +135,14 @@ def trials_of(
             raise InputError(f"there is no photograph of the sheet with {number} strokes on it; take one")
     taken = np.array(sorted(photographs))
     height, width = photographs[0].shape[:2]
-    canvas = Canvas.of_height((painting.sheet.width, painting.sheet.height), height)
-    trials = Trials.make(folder, medium=medium, pixels_per_metre=canvas.pixels_per_metre, depth=depth)
+    trials = Trials.make(folder, medium=medium, pixels_per_metre=pixels_per_metre, depth=depth)
     for number, stroke in enumerate(strokes):
         path = np.array(stroke.trajectory)
         before = photographs[int(taken[taken <= number][-1])]
         after = photographs[int(taken[taken > number][0])]
-        low = np.floor((path[:, :2].min(axis=0) - room) * canvas.pixels_per_metre).astype(int).clip(min=0)
-        high = np.ceil((path[:, :2].max(axis=0) + room) * canvas.pixels_per_metre).astype(int).clip(max=(width, height))
+        low = np.floor((path[:, :2].min(axis=0) - room) * pixels_per_metre).astype(int).clip(min=0)
+        high = np.ceil((path[:, :2].max(axis=0) + room) * pixels_per_metre).astype(int).clip(max=(width, height))
         cut = slice(low[1], high[1]), slice(low[0], high[0])
         trials.begin(before[cut])
-        trials.append(path - [*(low / canvas.pixels_per_metre), 0.0], after[cut])
+        trials.append(path - [*(low / pixels_per_metre), 0.0], after[cut])
     return trials

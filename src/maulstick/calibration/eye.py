@@ -72,8 +72,10 @@ class Eye:
     ) -> Self:
         """Return an eye that has looked at the bare sheet, whose colour is `paper`; chart: colours of this camera.
 
-        Raises InputError where tags or light do not allow that, MachineError where the camera fails.
+        Raises InputError where tags, view or light do not allow that, MachineError where the camera fails.
         """
+        if view is not None:  # it may have been found with a smaller sheet
+            view.check_sees(canvas.width, canvas.height)
         photo = camera.photograph()
         seen = view or locate(photo, tags)
         wide = seen.rectify(photo, canvas, MARGIN)

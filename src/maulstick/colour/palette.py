@@ -2,6 +2,7 @@
 
 import warnings
 from collections.abc import Sequence
+from math import ceil
 
 import numpy as np
 from PIL import Image, ImageColor, ImageDraw, ImageFont
@@ -87,14 +88,16 @@ def parse_colour(text: str) -> tuple[float, float, float]:
 
 
 def swatches(paints: Sequence[tuple[float, float, float]], labels: Sequence[str]) -> Image.Image:
-    """Return a picture of the paints, sRGB in [0, 1], one labelled row per paint."""
-    width, height, row = 480, 56, 48
+    """Return a picture of the paints, sRGB in [0, 1], one labelled row per paint, as wide as the labels need."""
+    height, row, left = 56, 48, 152
+    font = ImageFont.load_default(20)
+    longest = max((ceil(font.getlength(label)) for label in labels), default=0)
+    width = max(480, left + longest + 8)
     sheet = Image.new("RGB", (width, height * max(len(paints), 1)), "white")
     draw = ImageDraw.Draw(sheet)
-    font = ImageFont.load_default(20)
     for i, (paint, label) in enumerate(zip(paints, labels, strict=True)):
         top = height * i + (height - row) // 2
         fill = tuple(round(255 * channel) for channel in paint)
         draw.rectangle((8, top, 136, top + row), fill=fill, outline="lightgrey")
-        draw.text((152, top + row // 2), label, fill="black", font=font, anchor="lm")
+        draw.text((left, top + row // 2), label, fill="black", font=font, anchor="lm")
     return sheet

@@ -129,6 +129,10 @@ class Brush(BaseModel):
         share = np.interp(pressure, (0, *CURVE_PRESSURES, 1), (0, *self.curve, 1))
         return np.asarray(self.alpha * share + self.beta)
 
+    def opacity_at(self, pressure: float) -> float:
+        """Opacity of a stroke of this mean pressure in [0, 1]."""
+        return self.opacity * (self.faint + (1 - self.faint) * min(pressure / self.solid, 1.0))
+
     def held_at(self, pressure: float) -> "Brush":
         """Return the same brush held at one pressure in [0, 1], as a machine does that can only lift it.
 
@@ -138,12 +142,11 @@ class Brush(BaseModel):
         if width < _LEAST:
             raise InputError(f"the brush {self.name} leaves no mark at pressure {pressure:g}; hold it deeper")
         touch, deepest = self.depth
-        paled = min(self.faint + (1 - self.faint) * pressure / self.solid, 1.0)
         held = {
             "source": f"{self.source}; held at pressure {pressure:g}",
             "alpha": 0.0,
             "beta": width,
-            "opacity": self.opacity * paled,
+            "opacity": self.opacity_at(pressure),
             "faint": 1.0,
             "depth": (max(touch + pressure * (deepest - touch), _TOUCHING) if any(self.depth) else 0.0,) * 2,
             "lightest": 0.0,
@@ -173,8 +176,7 @@ class Brush(BaseModel):
         The centre line (n, 2) and the half-widths (n,), metres, and the opacity: `Traj2Stroke.marks` for one stroke.
         """
         points, pressure = self.mark(trajectory[:, :2]), trajectory[:, 2]
-        paled = min(self.faint + (1 - self.faint) * float(pressure.mean()) / self.solid, 1.0)
-        return points, self.half_width(pressure) * self._broadening(points), self.opacity * paled
+        return points, self.half_width(pressure) * self._broadening(points), self.opacity_at(float(pressure.mean()))
 
     def _broadening(self, points: Floats) -> Floats:
         """How much broader than its mean the mark is at each point (n,), for the direction of travel there."""

@@ -21,7 +21,7 @@ Picture = str | Path | Image.Image | NDArray[np.generic]
 """What a picture may be in Python: a path, a Pillow image, or an array."""
 
 READ_PX = 4096
-"""Longest side of a picture that is read to be planned, pixels: finer than any canvas in one piece."""
+"""Longest side of a picture that is read to be planned in one piece, pixels: finer than any such canvas."""
 
 LONGEST_KEPT_PX = 4096
 """Longest side of a picture that is kept within another file, pixels."""

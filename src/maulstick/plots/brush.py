@@ -92,9 +92,8 @@ def _level(plot: Plot, axes: Axes, y: float, colour: str) -> None:
 def profile(brush: Brush, pressure: float, distance: Floats) -> Floats:
     """Darkness (n,), in [0, 1], at distances (n,), metres, from the centre line of a stroke of this pressure."""
     half_width = max(float(brush.half_width(np.array(pressure))), 1e-12)
-    flow = brush.faint + (1 - brush.faint) * min(pressure / brush.solid, 1)
     shape = np.clip((1 - np.abs(distance) / half_width) / (1 - brush.plateau), 0, 1)
-    darkness: Floats = brush.opacity * flow * shape**brush.falloff
+    darkness: Floats = brush.opacity_at(pressure) * shape**brush.falloff
     return darkness
 
 

@@ -36,7 +36,7 @@ def list_pens() -> None:
 
     Example: maulstick brush pens
     """
-    table = Table()
+    table, brushes = Table(), BRUSHES.paths()
     for column in ("name", "width", "colour", "kind", "from"):
         table.add_column(column, justify="right" if column == "width" else "left", overflow="fold")
     for name, path in PENS.paths().items():
@@ -45,8 +45,9 @@ def list_pens() -> None:
         except InputError as error:
             table.add_row(name, "", "", "", Text(f"cannot be used: {COMMAND_LINE.say(error)}"))
             continue
-        if name in BRUSHES.paths():
-            width, told = f"{2e3 * brush.widest:.3g} mm", f"your own brush: {brush.source}"
+        if name in brushes:
+            whose = "a brush that comes with Maulstick" if BRUSHES.is_built_in(brushes[name]) else "your own brush"
+            width, told = f"{2e3 * brush.widest:.3g} mm", f"{whose}: {brush.source}"
         else:
             width, told = f"{1e3 * pen.width:g} mm", f"{'' if PENS.is_built_in(path) else 'your own: '}{pen.label}"
         table.add_row(name, width, pen.colour, Text(pen.kind), Text(told))

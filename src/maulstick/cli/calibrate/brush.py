@@ -193,7 +193,8 @@ def _collect(sheet: Painting, out: Path, options: PaintOptions, place: "Easel | 
             raise MachineError("strokes are learned by their places, and the sheet has moved; put it back, and go on")
         return seen.image
 
-    tags = TagFrame(sheet.sheet.width, sheet.sheet.height, side=options.tag_side)
+    size = sheet.sheet.width, sheet.sheet.height
+    tags, canvas = TagFrame(*size, side=options.tag_side), flat_canvas(*size)
     if (out / "trials").exists():
         tell(f"all strokes in {out} were drawn before, and are only fitted again; to draw others, choose another --out")
         return
@@ -201,7 +202,7 @@ def _collect(sheet: Painting, out: Path, options: PaintOptions, place: "Easel | 
     path, (brush,) = out / "practice.json", sheet.brushes.values()
     simulation = Simulation.of(options.machine, sheet, place, None) if options.simulated else None
     robot = machine(options.machine, place) if simulation is None else simulation.robot
-    easel = place or robot.easel(sheet.sheet.width, sheet.sheet.height)
+    easel = place or robot.easel(*size)
     seeing = open_camera(options.camera or "", tell) if simulation is None else simulation.camera(tags)
     _keep(sheet, path)  # once machine and camera are known to be such
     with (
@@ -219,7 +220,7 @@ def _collect(sheet: Painting, out: Path, options: PaintOptions, place: "Easel | 
             (journal.end if confirm(console, question, "run it in a terminal") else journal.again)(stroke)
         if simulation is not None:
             simulation.paint_again(easel, journal.painted)
-        canvas, kept = flat_canvas(sheet.sheet.width, sheet.sheet.height), out / "practice.eye.npz"
+        kept = out / "practice.eye.npz"
         if kept.exists():
             eye = Eye.opened_again(seeing, canvas, tags, kept, view)
         else:
@@ -238,4 +239,12 @@ def _collect(sheet: Painting, out: Path, options: PaintOptions, place: "Easel | 
             taken = collect(sheet, workplace, look, out, each=each)
     depth = brush.depth if any(brush.depth) else (0.0, easel.deepest)
     with all_or_nothing(out) as staging:
-        trials_of(sheet, taken, staging / "trials", medium=brush.name, depth=depth, room=room_of(brush))
+        trials_of(
+            sheet,
+            taken,
+            staging / "trials",
+            pixels_per_metre=canvas.pixels_per_metre,
+            medium=brush.name,
+            depth=depth,
+            room=room_of(brush),
+        )

@@ -10,7 +10,7 @@ from maulstick.jobs.plan.request import PlanRequest
 from maulstick.painting.brush import Brush
 from maulstick.painting.edit import NO_EDIT
 from maulstick.painting.painting import Sheet, hex_colour
-from maulstick.painting.picture import READ_PX, canvas_photograph, encode_png, read_picture
+from maulstick.painting.picture import canvas_photograph, encode_png, read_picture
 from maulstick.painting.raster import Canvas, parse_sheet
 from maulstick.planning.features.efficientnet import EfficientNetLite0
 from maulstick.planning.features.network import Network
@@ -29,10 +29,11 @@ _WIDEST_SHEET_PX = 2048  # over its width, for sheets that are much wider than h
 
 def picture_of(request: PlanRequest, image: Image | None) -> Image | None:
     """Return the picture as the options correct it, or None where there is only a text."""
-    picture = read_picture(request.picture, longest_px=READ_PX) if request.picture is not None else image
+    options = request.options
+    picture = read_picture(request.picture, longest_px=options.read_px) if request.picture is not None else image
     if picture is not None:
-        return request.options.edit.applied(picture)
-    for name, value in vars(request.options.edit).items():
+        return options.edit.applied(picture)
+    for name, value in vars(options.edit).items():
         if value != getattr(NO_EDIT, name):
             raise InputError(f"{option(name)} corrects a picture, and there is none; name one, or leave it out")
     return None

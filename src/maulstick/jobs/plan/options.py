@@ -12,6 +12,7 @@ from maulstick.errors import InputError, option
 from maulstick.kinds import check_kinds, check_whole
 from maulstick.painting.edit import WHOLE, Crop, PictureEdit
 from maulstick.painting.fit import FITS
+from maulstick.painting.picture import READ_PX
 from maulstick.painting.raster import is_turned_by_picture, parse_margin, parse_sheet
 from maulstick.planning.weights import check_weights
 from maulstick.robot.machines import only_lifts
@@ -53,6 +54,7 @@ USUAL_PRESSURE: Final = 0.5
 
 _USUAL_PAINTS = 12  # paints by default: as many as a person is willing to mix
 _MOST_STEPS = 1_000_000  # largest number of steps, which takes hours to days
+_FINER = 2  # times as fine as the canvas, as `READ_PX` is for the largest in one piece
 _FEWEST_PX, _MOST_PX = 16, 32_768  # pixels over the picture's height: a thumbnail, a mural
 
 
@@ -209,6 +211,11 @@ class PlanOptions:
         return PictureEdit.of(vars(self))
 
     @property
+    def read_px(self) -> int:
+        """Longest side of the picture as it is read, pixels: a mural shows as much of it as there is."""
+        return max(READ_PX, _FINER * (self.px or 0))
+
+    @property
     def inks(self) -> tuple[str, ...]:
         """Colours of the inks to draw with, as they are said; none where it is painted."""
         return () if self.ink is None else colours_in(self.ink)
@@ -238,8 +245,9 @@ class PlanOptions:
         ways = [option(name) for name, value in given.items() if value is not None]
         if len(ways) > 1:
             raise InputError(f"{ways[0]} and {ways[1]} are two ways to say what to paint with; leave one of them out")
-        if self.paints is not None and self.strokes != AUTO:
-            check_whole("paints", self.paints, 1, self.strokes, f"from 1 to the {counted(self.strokes, 'stroke')}")
+        strokes = MOST_AUTO if self.strokes == AUTO else self.strokes
+        if self.paints is not None:
+            check_whole("paints", self.paints, 1, strokes, f"from 1 to the {counted(strokes, 'stroke')}")
 
 
 def colours_in(said: str) -> tuple[str, ...]:
