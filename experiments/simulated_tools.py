@@ -19,7 +19,7 @@ from maulstick.calibration.chart import CHART, with_chart
 from maulstick.calibration.collect import collect, trials_of
 from maulstick.calibration.colour import Colours, Whites, lamp_of, whites_of
 from maulstick.calibration.eye import Eye
-from maulstick.jobs.paint.camera_loop import practice, room_of
+from maulstick.jobs.practice import practice, room_around
 from maulstick.painting.brush import Brush, load_brush
 from maulstick.painting.painting import Painting, Sheet
 from maulstick.painting.painting_file import write_painting
@@ -66,7 +66,7 @@ class Tool:
         depth = (0.0, self.depth)
         with easel.at_work(sheet) as workplace, TemporaryDirectory() as folder:
             photographs = collect(sheet, workplace, easel.photograph, Path(folder), each=False)
-            room = room_of(self.nominal)
+            room = room_around(self.nominal)
             trials = trials_of(
                 sheet,
                 photographs,

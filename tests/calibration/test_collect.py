@@ -12,7 +12,7 @@ from maulstick.brush_fit.fit import fit_brush
 from maulstick.calibration.collect import Photographs, collect, spread_apart, trials_of
 from maulstick.calibration.eye import Eye
 from maulstick.errors import InputError, MachineError, OutputError
-from maulstick.jobs.paint.camera_loop import practice, room_of
+from maulstick.jobs.practice import practice, room_around
 from maulstick.painting.brush import Brush
 from maulstick.painting.painting import Sheet
 from maulstick.painting.painting_file import write_painting
@@ -321,7 +321,7 @@ def test_what_is_collected_on_the_easel_tells_where_strokes_land(tmp_path: Path)
         pixels_per_metre=flat.pixels_per_metre,
         medium="pen",
         depth=(0, 2e-3),
-        room=room_of(like),
+        room=room_around(like),
     )
     brush = fit_brush(trials, trials.pixels_per_metre, "pen", source="a test", depth=trials.depth).brush
     path = painting.trajectories()[0]

@@ -7,7 +7,7 @@ import torch
 
 from maulstick.errors import InputError
 from maulstick.jobs.paint import camera_loop
-from maulstick.jobs.paint.camera_loop import check_replannable, practice, replanned, room_of
+from maulstick.jobs.paint.camera_loop import check_replannable, replanned
 from maulstick.jobs.plan.options import PlanOptions
 from maulstick.jobs.plan.prepare import prepare
 from maulstick.jobs.plan.request import PlanRequest
@@ -19,10 +19,8 @@ from maulstick.planning.planner import plan
 from maulstick.planning.problem import PlannerSettings, PlanningProblem
 from maulstick.planning.result import PlanResult
 from maulstick.rendering.preview import preview
-from maulstick.style import load_style
 from tests.support.nominal import nominal
 from tests.support.planned import PIXELS, SIDE, STROKES, picture, planned
-from tests.support.tolerances import FILE_METRES
 
 WHITE = np.ones((PIXELS, PIXELS, 3), dtype=np.float32)
 PAINTED = {stroke.id for stroke in planned().strokes[:6]}
@@ -286,29 +284,3 @@ def test_a_painting_whose_strokes_are_all_locked_stays_as_it_is_under_the_camera
     painting = planned().model_copy(update={"strokes": strokes})
     check_replannable(painting)
     assert replanned(painting, PAINTED, WHITE, picture()) == painting
-
-
-# Strokes to learn a brush from.
-
-
-def test_practice_is_apart_in_the_style_and_presses_from_lightly_to_hard() -> None:
-    brush, sheet = nominal("marker"), Sheet(width=0.2, height=0.15)
-    painting = practice(load_style("loops", Canvas(sheet.width, sheet.height, 1.0)), brush, sheet, 12, seed=3)
-    paths = painting.trajectories()
-    assert [stroke.id for stroke in painting.strokes] == list(range(12))
-    assert (paths[..., 2].min() < 0.2, paths[..., 2].max()) == (True, 1.0)
-    assert np.ptp(paths[..., 2], axis=1).max() > 0.1
-    low, high = paths[..., :2].min(axis=1) - room_of(brush), paths[..., :2].max(axis=1) + room_of(brush)
-    assert (low > -FILE_METRES).all()
-    assert (high < np.array([sheet.width, sheet.height]) + FILE_METRES).all()
-    apart = (low[:, None] > high[None] - FILE_METRES).any(axis=2)
-    assert (apart | apart.T | np.eye(12, dtype=bool)).all()
-
-
-def test_a_pen_that_only_lifts_practises_at_one_pressure_and_the_seed_decides() -> None:
-    sheet = Sheet(width=0.2, height=0.15)
-    style = load_style("loops", Canvas(sheet.width, sheet.height, 1.0))
-    first, same, other = (practice(style, nominal("fineliner"), sheet, 5, seed=seed) for seed in (1, 1, 2))
-    assert set(first.trajectories()[..., 2].ravel()) == {0.5}
-    assert first == same
-    assert first != other

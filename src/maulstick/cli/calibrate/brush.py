@@ -140,7 +140,7 @@ def _sheet(
             raise InputError(f"{out} was begun with other options; go on with the same ones, or choose another --out")
     elif out.exists() and (not out.is_dir() or any(out.iterdir())):
         raise OutputError(f"{out} holds something else; choose another --out")
-    from maulstick.jobs.paint.camera_loop import practice  # loads torch
+    from maulstick.jobs.practice import practice  # loads torch
     from maulstick.style import load_style
 
     hand = load_style(style, Canvas(*size, 1.0))
@@ -175,7 +175,7 @@ def _collect(sheet: Painting, out: Path, options: PaintOptions, place: "Easel | 
     from maulstick.calibration.camera import read_view
     from maulstick.calibration.collect import collect, trials_of
     from maulstick.calibration.eye import Eye
-    from maulstick.jobs.paint.camera_loop import room_of
+    from maulstick.jobs.practice import room_around
     from maulstick.robot.camera.camera import open_camera
     from maulstick.robot.camera.tag_frame import TagFrame
 
@@ -246,5 +246,5 @@ def _collect(sheet: Painting, out: Path, options: PaintOptions, place: "Easel | 
             pixels_per_metre=canvas.pixels_per_metre,
             medium=brush.name,
             depth=depth,
-            room=room_of(brush),
+            room=room_around(brush),
         )

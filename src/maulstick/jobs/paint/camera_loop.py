@@ -5,19 +5,16 @@ The only place where planning and machines meet.
 
 from collections.abc import Callable, Collection
 from dataclasses import replace
-from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
-import torch
 
-from maulstick.calibration.collect import spread_apart
 from maulstick.errors import InputError
 from maulstick.jobs.plan.again import is_in_ink, neighbours_of, palette_of, parameters_of, with_locked
 from maulstick.jobs.plan.device import choose_device
-from maulstick.painting.brush import Brush, finest_of
+from maulstick.painting.brush import finest_of
 from maulstick.painting.edit import PictureEdit
-from maulstick.painting.painting import Paint, Painting, Provenance, Sheet, Stroke
+from maulstick.painting.painting import Paint, Painting, Sheet, Stroke
 from maulstick.painting.painting_file import write_painting
 from maulstick.painting.picture import encode_png
 from maulstick.painting.raster import Canvas, parse_margin
@@ -36,42 +33,8 @@ from maulstick.robot.routine import NOTHING, PaintLoad, ways_of
 from maulstick.robot.workplace import Workplace, home_of
 from maulstick.storage.arrays import Image
 from maulstick.style import Style, load_style
-from maulstick.style.pressure import pressure_along
 
 _STEPS = 400  # steps of planning again: few, since the machine waits and the strokes are nearly in place
-_LIGHTEST = 0.1  # least pressure of practice strokes: lighter ones may leave no mark
-_ROOM_IN_WIDTHS, _ROOM = 1.5, 2.5e-3  # room around practice strokes: half-widths of the brush, and metres to spare
-
-
-def practice(style: Style, brush: Brush, sheet: Sheet, strokes: int, *, seed: int = 0) -> Painting:
-    """Return a painting of strokes in the style, apart from one another, to fit a brush from.
-
-    brush: about as wide as the one to be fitted. If its pressure matters, all pressures occur equally often.
-    strokes: their number.  Raises InputError where so many do not fit on the sheet.
-    """
-    torch_rng = torch.Generator().manual_seed(seed)
-    codes, knots = style.sample(strokes, torch_rng)
-    paths = style.decode(codes).detach().double().numpy()
-    pressure = pressure_along(knots).double().numpy()
-    ranks = np.searchsorted(np.sort(pressure.ravel()), pressure, side="right") / pressure.size
-    shown = _LIGHTEST + (1 - _LIGHTEST) * ranks if brush.pressure_matters else np.full(pressure.shape, 0.5)
-    whole = np.concatenate([paths, shown[..., None]], axis=2)
-    placed = spread_apart(whole, (sheet.width, sheet.height), room_of(brush))
-    return Painting(
-        sheet=sheet,
-        provenance=Provenance(version=version("maulstick"), seed=seed, options={"style": style.name, "practice": True}),
-        brushes={brush.name: brush},
-        paints=(Paint(colour=(0.0, 0.0, 0.0), brush=brush.name),),
-        strokes=tuple(
-            Stroke.model_validate({"id": number, "paint": 0, "trajectory": path})
-            for number, path in enumerate(placed.tolist())
-        ),
-    )
-
-
-def room_of(brush: Brush) -> float:
-    """Return the free room in metres around each stroke of a `practice` with this brush."""
-    return _ROOM_IN_WIDTHS * brush.widest + _ROOM
 
 
 def check_replannable(painting: Painting) -> None:
