@@ -281,6 +281,10 @@ def test_what_is_typed_of_a_region_stays_while_another_page_acts_and_what_cannot
     size.press("Enter")
     expect(tab.locator(".q-notification")).to_contain_text("hand_size")
     expect(size).to_have_value("1")
+    for field, holds in ((name, "eyes"), (tab.get_by_label("Counts").last, "3"), (tab.get_by_label("Soft edge"), "0")):
+        field.fill("")
+        field.press("Enter")
+        expect(field).to_have_value(holds)
 
 
 def test_an_error_lies_above_the_sheet(page: Callable[..., Page]) -> None:
