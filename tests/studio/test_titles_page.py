@@ -62,11 +62,16 @@ def test_a_plan_is_opened_renamed_noted_saved_asked_for_again_thrown_away_and_pu
     expect(theirs.get_by_label("Plan or drawing", exact=True)).to_have_value(EMOJI)
     card.get_by_label("Compared with").click()
     mine.get_by_role("option", name="three").click()
-    expect(card.locator(".compare .target")).to_have_attribute("src", "/picture/plans/three/preview.png")
+    other = card.locator(".compare .target")
+    expect(other).to_have_attribute("src", re.compile(r"^/picture/plans/three/preview\.png\?\d+$"))
+    before = other.get_attribute("src")
+    assert before is not None
+    (studio.folder / "plans" / "three" / "painting.json").touch()  # as if it was planned on
     expect(card.get_by_label("That plan or this")).to_be_visible()
     card.get_by_label("Your note").fill("the best one")
     card.get_by_role("button", name="Give it a star").click()
     expect(card.get_by_role("button", name="Take the star away")).to_be_visible()
+    expect(other).not_to_have_attribute("src", before)
 
     mine.get_by_role("article", name="Plan three").get_by_role("button", name="Plan again like this").click()
     expect(mine.get_by_label("Strokes", exact=True)).to_have_value("30")
