@@ -49,6 +49,9 @@ class Remedy(Enum):
     HOLD_PRESSURE = "plan it again with pressure=0.5"
     SLOW_DOWN = "slow all strokes down with speed={speed}"
     CALIBRATE_TOUCH = "run: maulstick calibrate touch --robot ..."
+    FIND_DEPTH = (
+        "measure that with maulstick calibrate touch, or where a servo lifts the pen, set it up with maulstick machine"
+    )
     NAME_PORT = "connect its USB cable and power, or name its port: axidraw:PORT"
     CLIP_WEIGHTS = "give a file of them with clip_weights"
     CLIP_WEIGHTS_OR_NETWORK = "give a file of them with clip_weights, or try again with a network"

@@ -125,8 +125,8 @@ def test_a_brush_that_needs_more_depth_than_the_easel_allows_is_refused_with_by_
 
 def test_a_brush_is_refused_with_how_to_measure_the_depth_where_no_easel_was_measured() -> None:
     assert refused(painting_of([line(1)], [HARD]), EASEL.model_copy(update={"deepest": 0.0})) == (
-        "the brush round is pressed 9 mm deep, and no easel says how deep it may be (a pen that a servo lifts has the "
-        "easel that maulstick machine writes); run: maulstick calibrate touch --robot ..."
+        "the brush round is pressed 9 mm deep, and no easel says how deep it may be; measure that with maulstick "
+        "calibrate touch, or where a servo lifts the pen, set it up with maulstick machine"
     )
 
 

@@ -145,6 +145,26 @@ def test_keys_are_the_canvas_s_after_a_click_beside_it_and_a_tool_is_in_hand_at_
     expect(tool).to_be_focused()
 
 
+def test_letters_are_keys_with_caps_lock_too_and_with_shift_strokes_are_added_on_either_side_of_the_last_one(
+    studio: RunningStudio, page: Callable[..., Page]
+) -> None:
+    tab, view = opened_with_a_chosen_stroke(page)
+    said = tab.locator(".said")
+    view.press("L")
+    sharp(view, 1)
+    for _ in range(2):
+        view.press(".")
+    for key, strokes in ((".", 2), (",", 2), (",", 3), (",", 4)):
+        view.press(f"Shift+{'Period' if key == '.' else 'Comma'}")
+        expect(said).to_have_text(re.compile(f"^{strokes} strokes: "))
+    expect(said).to_have_text(re.compile("; 1 locked$"))
+    view.press("Delete")
+    sharp(view, 2)
+    planned = [stroke.id for stroke in read_painting(studio.folder / "plans" / "coast" / "painting.json").strokes]
+    assert [act["edit"]["kind"] for act in acts(studio)] == ["lock", "remove"]
+    assert sorted(acts(studio)[1]["edit"]["strokes"]) == sorted(planned[:4])
+
+
 def test_on_an_upright_tablet_the_canvas_stays_in_view_above_its_tools(page: Callable[..., Page]) -> None:
     tab, view = opened(page)
     tab.set_viewport_size({"width": 768, "height": 1024})
@@ -261,6 +281,10 @@ def test_what_is_typed_of_a_region_stays_while_another_page_acts_and_what_cannot
     size.press("Enter")
     expect(tab.locator(".q-notification")).to_contain_text("hand_size")
     expect(size).to_have_value("1")
+    for field, holds in ((name, "eyes"), (tab.get_by_label("Counts").last, "3"), (tab.get_by_label("Soft edge"), "0")):
+        field.fill("")
+        field.press("Enter")
+        expect(field).to_have_value(holds)
 
 
 def test_an_error_lies_above_the_sheet(page: Callable[..., Page]) -> None:

@@ -64,6 +64,23 @@ def test_tubes_are_changed_in_a_small_table_and_recipes_follow(
     assert (studio.folder / "tubes.csv").read_text() == "name,colour\n<b>my blue</b>,#0000ff\n"
 
 
+def test_tubes_that_cannot_be_read_are_said_and_replaced_in_the_table(
+    studio: RunningStudio, page: Callable[..., Page]
+) -> None:
+    put_plan(studio.folder, "cat", BLUE_FIRST, mixed=False)
+    (studio.folder / "tubes.csv").write_text("name,colour\number,brownish\n")
+    shown = page("/paints")
+    tubes = shown.get_by_role("region", name="Your tubes")
+    expect(tubes).to_contain_text("tubes.csv, line 2: 'brownish' is not a colour")
+    tubes.get_by_role("button", name="Change").click()
+    table = shown.get_by_role("dialog", name="Your tubes")
+    expect(table.get_by_label("Name")).to_have_count(0)
+    table.get_by_role("button", name="The usual dozen").click()
+    table.get_by_role("button", name="Keep these").click()
+    expect(tubes.get_by_role("listitem")).to_have_count(12)
+    expect(shown.get_by_role("article", name="Paint 2")).to_contain_text("this gives")
+
+
 def test_a_plan_in_one_ink_has_nothing_to_tick_since_the_machine_asks_for_its_pen(
     studio: RunningStudio, page: Callable[..., Page]
 ) -> None:

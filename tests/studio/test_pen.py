@@ -418,3 +418,17 @@ def test_a_recording_is_brought_and_a_broken_one_refused(studio: RunningStudio, 
     expect(tab.get_by_text("needs the pen's length")).to_be_visible()
     assert [path.name for path in studio.folder.glob("hands/*")] == ["b-fox"]
     assert list(studio.folder.glob(".incoming-*")) == []
+
+
+def test_a_size_of_ones_own_needs_both_numbers(page: Opened) -> None:
+    tab = page()
+    tab.get_by_role("button", name="New sheet").click()
+    dialog = tab.get_by_role("dialog", name="A new sheet")
+    dialog.get_by_label("Size").click()
+    tab.get_by_role("option", name="a size of your own").click()
+    dialog.get_by_label("Width, mm").fill("")
+    dialog.get_by_role("button", name="Take it").click()
+    expect(tab.get_by_text("The width or the height of the sheet is missing; write both")).to_be_visible()
+    dialog.get_by_label("Width, mm").fill("90")
+    dialog.get_by_role("button", name="Take it").click()
+    expect(tab.get_by_role("img", name="A sheet of paper, 90 by 150 millimetres")).to_be_visible()

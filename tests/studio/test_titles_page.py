@@ -62,11 +62,16 @@ def test_a_plan_is_opened_renamed_noted_saved_asked_for_again_thrown_away_and_pu
     expect(theirs.get_by_label("Plan or drawing", exact=True)).to_have_value(EMOJI)
     card.get_by_label("Compared with").click()
     mine.get_by_role("option", name="three").click()
-    expect(card.locator(".compare .target")).to_have_attribute("src", "/picture/plans/three/preview.png")
+    other = card.locator(".compare .target")
+    expect(other).to_have_attribute("src", re.compile(r"^/picture/plans/three/preview\.png\?\d+$"))
+    before = other.get_attribute("src")
+    assert before is not None
+    (studio.folder / "plans" / "three" / "painting.json").touch()  # as if it was planned on
     expect(card.get_by_label("That plan or this")).to_be_visible()
     card.get_by_label("Your note").fill("the best one")
     card.get_by_role("button", name="Give it a star").click()
     expect(card.get_by_role("button", name="Take the star away")).to_be_visible()
+    expect(other).not_to_have_attribute("src", before)
 
     mine.get_by_role("article", name="Plan three").get_by_role("button", name="Plan again like this").click()
     expect(mine.get_by_label("Strokes", exact=True)).to_have_value("30")
@@ -89,3 +94,23 @@ def test_a_plan_is_opened_renamed_noted_saved_asked_for_again_thrown_away_and_pu
     trash.get_by_role("link", name="Plan", exact=True).click()
     expect(trash.get_by_role("article", name=f"Plan {EMOJI}").get_by_label("Your note")).to_have_value("the best one")
     assert (studio.folder / "plans" / "one-2" / "painting.json").is_file()
+
+
+def test_a_title_that_is_one_long_word_makes_no_page_wider_than_a_phone_and_leaves_undo_within_reach(
+    studio: RunningStudio, page: Callable[..., Page]
+) -> None:
+    long = "W" * 80
+    for name in ("one", "two", "three"):
+        retitle(studio.folder / "plans" / name, long)
+    tab = page("/plan/one", viewport={"width": 390, "height": 780})
+    expect(tab.get_by_role("heading", name=f"Direct {long}")).to_be_visible()
+    assert tab.evaluate("document.documentElement.scrollWidth - innerWidth") == 0
+    tab.goto(f"{studio.url}/plan")
+    card = tab.get_by_role("article")
+    expect(card).to_have_count(1)
+    card.get_by_role("button", name="Throw ").click()
+    undo = tab.get_by_role("button", name="Undo")
+    expect(undo).to_be_in_viewport(ratio=1)
+    undo.click()
+    expect(card).to_have_count(1)
+    assert tab.evaluate("document.documentElement.scrollWidth - innerWidth") == 0

@@ -93,3 +93,22 @@ def test_what_is_told_of_a_recording_stays_while_others_of_the_same_choice_still
     with tab.expect_file_chooser():
         button.click()
     expect(said).to_have_count(0)
+
+
+def test_nothing_is_planned_from_another_picture_while_one_is_on_its_way(
+    page: Callable[..., Page], tmp_path: Path
+) -> None:
+    tab, late, picture = page("/plan"), list[Route](), picture_to_bring(tmp_path)
+    tab.route("**/upload/*", lambda route: late.append(route))
+    with tab.expect_file_chooser() as chooser:
+        tab.get_by_role("button", name="Bring a picture").click()
+    with tab.expect_request("**/upload/*"):
+        chooser.value.set_files(picture)
+    expect(tab.get_by_text("Reading it …").filter(visible=True)).to_be_visible()
+    tab.get_by_role("button", name="Plan it").click()
+    expect(tab.get_by_text("A picture is on its way; plan it once it is here")).to_be_visible()
+    late[0].continue_()
+    expect(tab.get_by_role("radio", name=picture.stem)).to_be_checked()
+    expect(tab.get_by_text("Nothing is planned yet.")).to_be_visible()
+    tab.get_by_role("button", name="Plan it").click()
+    expect(tab.get_by_role("article", name=f"Plan {picture.stem}")).to_be_visible()

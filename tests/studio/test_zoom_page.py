@@ -127,3 +127,31 @@ def pinch(view: Locator, x: float, y: float, before: float, after: float) -> Non
         ends = [{"x": x - apart / 2, "y": y, "id": 0}, {"x": x + apart / 2, "y": y, "id": 1}]
         fingers.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": ends})
     fingers.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
+
+
+def test_on_a_phone_dialogs_and_what_stays_in_sight_lie_below_the_frame_of_the_page(
+    studio: RunningStudio, page: Callable[..., Page]
+) -> None:
+    put_plan_with_lines(studio.folder, "lines")
+    studio.kill()
+    studio.start()  # it finds all plans when it starts
+    tab = page("/plan", viewport={"width": 390, "height": 640})
+    frame = tab.get_by_role("banner").bounding_box()
+    assert frame is not None
+
+    def lies_below(shown: Locator) -> bool:
+        expect(shown).to_be_visible()
+        box = shown.bounding_box()
+        assert box is not None
+        return frame["y"] + frame["height"] <= box["y"] <= 640 - box["height"]
+
+    tab.get_by_role("button", name="Look closer").click()
+    assert lies_below(tab.locator(".closer"))
+    tab.get_by_role("button", name="Close", exact=True).click()
+    tab.get_by_role("link", name="Mix").click()
+    tab.get_by_role("button", name="Change").click()
+    assert lies_below(tab.locator(".tube-table"))
+    tab.get_by_role("button", name="Leave as it was").click()
+    tab.get_by_role("link", name="Styles").click()
+    tab.get_by_role("button", name="Look closer at scribble").scroll_into_view_if_needed()
+    assert lies_below(tab.get_by_role("button", name="Compare", exact=True))

@@ -36,8 +36,8 @@ def check_depth(brush: Brush, easel: Easel, limits: Limits) -> None:
         if not easel.deepest:
             raise InputError(
                 f"the brush {brush.name} is pressed {1e3 * max(brush.depth):g} mm deep, and no easel says how deep it "
-                "may be (a pen that a servo lifts has the easel that maulstick machine writes)",
-                Remedy.CALIBRATE_TOUCH,
+                "may be",
+                Remedy.FIND_DEPTH,
             )
         raise InputError(
             f"the brush {brush.name} is pressed {1e3 * max(brush.depth):g} mm deep, and the easel allows "

@@ -104,6 +104,8 @@ _PAGE: Final = Wording(
         Remedy.HOLD_PRESSURE: "plan it again with this machine chosen under Plan, or choose another machine",
         Remedy.SLOW_DOWN: f"slow all strokes down: write {{millimetres}} under “{DETAILS_LABEL}”",
         Remedy.CALIBRATE_TOUCH: f"bring its easel file under “{DETAILS_LABEL}”",
+        Remedy.FIND_DEPTH: f"bring its easel file under “{DETAILS_LABEL}”, or where a servo lifts the pen, keep one "
+        f"under “{BY_HAND_LABEL}”",
         Remedy.NAME_PORT: "connect its USB cable and power, or choose its port",
         Remedy.CLIP_WEIGHTS: f"take out what stands under “{WORDS_LABEL}”, and use a picture",
         Remedy.CLIP_WEIGHTS_OR_NETWORK: "connect this computer to the internet and try again, or take out what stands "

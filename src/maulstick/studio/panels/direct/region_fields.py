@@ -79,20 +79,33 @@ class RegionFields:
         self._shown = region
 
     async def _keep(self) -> None:
-        if self._shown is not None:
-            await self._say(**self._values(self._shown))
+        if (region := self._shown) is not None:
+            self._fill(region)
+            await self._say(**self._values())
 
-    def _values(self, region: SaidRegion) -> dict[str, Any]:
-        """Return what the fields say, and where one is empty, what was said."""
-        direction: object = {"": None, _ONE_WAY: self._degrees.value or 0.0}.get(self._way.value, ALONG_GUIDES)
-        size = 1.0 if self._size.value is None else self._size.value
+    def _fill(self, region: SaidRegion) -> None:
+        """Show in fields that a person has cleared what holds then."""
+        empty: dict[ValueElement[Any], Any] = {
+            self._name: region.name,
+            self._size: 1.0,
+            self._importance: region.importance,
+            self._degrees: 0.0,
+            self._soft: 0.0,
+        }
+        for field, value in empty.items():
+            if field.value in (None, ""):
+                field.value = value
+
+    def _values(self) -> dict[str, Any]:
+        """Return what the fields say."""
+        direction: object = {"": None, _ONE_WAY: self._degrees.value}.get(self._way.value, ALONG_GUIDES)
         return {
-            "name": self._name.value or region.name,
+            "name": self._name.value,
             "bare": bool(self._bare.value),
             "style": self._style.value or None,
-            "hand_size": None if size == 1 else size,
+            "hand_size": None if self._size.value == 1 else self._size.value,
             "brush": ",".join(self._brush.value) or None,
-            "importance": region.importance if self._importance.value is None else self._importance.value,
+            "importance": self._importance.value,
             "direction": direction,
-            "soft": 1e-3 * (self._soft.value or 0.0),
+            "soft": 1e-3 * self._soft.value,
         }

@@ -2,6 +2,7 @@
 
 from nicegui import html, ui
 
+from maulstick.errors import InputError
 from maulstick.painting.raster import parse_size
 from maulstick.studio.state.drawing import Drawing
 
@@ -29,7 +30,11 @@ def choose_sheet(drawing: Drawing) -> None:
             height = ui.number("Height, mm", value=150, min=5).props("outlined")
 
         async def take() -> None:
-            chosen = f"{width.value or 0:g}x{height.value or 0:g}mm" if size.value == _OWN else size.value
+            chosen = str(size.value)
+            if chosen == _OWN:
+                if width.value is None or height.value is None:
+                    raise InputError("the width or the height of the sheet is missing; write both")
+                chosen = f"{width.value:g}x{height.value:g}mm"
             await drawing.begin(parse_size(chosen))
             dialog.close()
 

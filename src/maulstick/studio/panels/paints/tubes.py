@@ -2,12 +2,14 @@
 
 from nicegui import events, html, ui
 
-from maulstick.colour.tubes import USUAL_PAINTS
+from maulstick.colour.tubes import USUAL_PAINTS, NamedPaint
+from maulstick.errors import InputError
 from maulstick.painting.painting import hex_colour
 from maulstick.studio.state.mixing import tubes_csv
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.widgets.showing import shown_by
 from maulstick.studio.widgets.uploading import small_content, upload_button
+from maulstick.studio.wording import error_text
 
 _NEW = ("", "#888888")  # name and colour of a tube that nobody has written anything on yet
 
@@ -22,19 +24,26 @@ def build_tubes(studio: Studio) -> None:
             ui.button("Change", icon="edit", on_click=lambda: _change(studio)).props("outline")
 
     def refresh() -> None:
-        said.text = (
-            "Recipes are made from these."
-            if studio.mixing.has_own_tubes
-            else "Recipes are made from a dozen usual acrylics, until you say which tubes you have."
-        )
+        own, said.text = _tubes(studio)
         tubes.clear()
         with tubes:
-            for tube in studio.mixing.tubes():
+            for tube in own:
                 with html.li():
                     html.span().classes("dab").style(f"background: {hex_colour(tube.colour)}")
                     ui.label(tube.name)
 
     shown_by(tubes, studio.mixing.changed, refresh)
+
+
+def _tubes(studio: Studio) -> tuple[tuple[NamedPaint, ...], str]:
+    """Return the tubes and a sentence about them: none, and why, where a person has spoilt their file."""
+    try:
+        tubes = studio.mixing.tubes()
+    except InputError as error:
+        return (), error_text(error)
+    if studio.mixing.has_own_tubes:
+        return tubes, "Recipes are made from these."
+    return tubes, "Recipes are made from a dozen usual acrylics, until you say which tubes you have."
 
 
 def _change(studio: Studio) -> None:
@@ -82,6 +91,6 @@ def _change(studio: Studio) -> None:
         with ui.element().classes("line end"):
             ui.button("Leave as it was", on_click=dialog.close).props("flat")
             ui.button("Keep these", icon="check", on_click=keep)
-    fill([(tube.name, hex_colour(tube.colour)) for tube in studio.mixing.tubes()])
+    fill([(tube.name, hex_colour(tube.colour)) for tube in _tubes(studio)[0]])
     dialog.on("hide", dialog.delete)
     dialog.open()

@@ -42,22 +42,24 @@ class ComparedPictures:
         self._show_other()
 
     def _show_other(self) -> None:
-        chosen = str(self._with.value or "")
-        self._other.visible = bool(chosen) or self._has_picture
+        other = self._compared
+        self._other.visible = other is not None
         self._split.visible = self._other.visible and self._pictures.visible
-        self._split_label.set_text("That plan or this" if chosen else "Picture or plan")
-        if self._other.visible:
-            source = f"/picture/plans/{chosen}/preview.png" if chosen else f"/picture/plans/{self._plan.name}/{TARGET}"
-            if self._other.props.get("src") != source:
-                self._other.props["src"] = source
+        self._split_label.set_text("That plan or this" if self._with.value else "Picture or plan")
+        if other is not None and self._other.props.get("src") != other.source:
+            self._other.props["src"] = other.source
 
     def _look_closer(self) -> None:
         """Open what the card compares, as large as the window."""
-        titles, chosen = self._studio.plans.titles(), str(self._with.value or "")
-        other = Shown.target(self._plan) if self._has_picture else None
-        if chosen:
-            other = Shown.strokes(self._studio.plans.of(chosen), titles.get(chosen, chosen))
-        CloserLook(self._studio.desk, self._plan, titles.get(self._plan.name, self._plan.name), other)
+        title = self._studio.plans.titles().get(self._plan.name, self._plan.name)
+        CloserLook(self._studio.desk, self._plan, title, self._compared)
+
+    @property
+    def _compared(self) -> Shown | None:
+        """What the strokes are compared with: another plan, the picture, or nothing."""
+        if chosen := str(self._with.value or ""):
+            return Shown.strokes(self._studio.plans.of(chosen), self._studio.plans.titles().get(chosen, chosen))
+        return Shown.target(self._plan) if self._has_picture else None
 
     @property
     def _has_picture(self) -> bool:

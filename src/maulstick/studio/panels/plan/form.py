@@ -233,6 +233,8 @@ class PlanForm:
     def _request(self) -> PlanRequest:
         """Return the request that the form describes. Raises InputError for a value that cannot be used."""
         text = str(self._text.value or "").strip() or None
+        if self._picture.is_awaited:
+            raise InputError("a picture is on its way; plan it once it is here")
         picture = self._picture.path
         if picture is None and text is None:
             raise InputError("there is nothing to paint yet; bring a picture, or say in words what to paint")

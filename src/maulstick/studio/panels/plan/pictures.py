@@ -38,7 +38,9 @@ class PictureChoice:
             self._away = ui.button("Throw away", icon="delete", on_click=self._throw_away).props("flat")
             self._away.props('aria-label="Throw the picture away"')
         with ui.element().classes("line"):
-            upload_button("Bring a picture", _ENDINGS, self._bring, onto=onto, camera=True, several=True)
+            self._another = upload_button(
+                "Bring a picture", _ENDINGS, self._bring, onto=onto, camera=True, several=True
+            )
             self._portrait = ui.button("Try an example picture", on_click=self._use_portrait).props("flat no-caps")
         shown_by(self._group, studio.gallery.changed, self._show)
 
@@ -51,6 +53,11 @@ class PictureChoice:
     def path(self) -> Path | None:
         """File of the chosen picture, or None."""
         return None if self._chosen is None else self._studio.gallery.path(self._chosen)
+
+    @property
+    def is_awaited(self) -> bool:
+        """Whether a picture is on its way, which is chosen once it is here."""
+        return not (self._another.enabled and self._portrait.enabled)
 
     def choose(self, path: Path | None) -> None:
         """Choose the picture of that file, or none. Raises InputError where it is not here any more."""
@@ -112,11 +119,11 @@ class PictureChoice:
             offer_undo(client, f"{title} is in the trash", lambda: gallery.take_back(trashed))
 
     async def _use_portrait(self) -> None:
-        self._portrait.props("loading")
+        self._portrait.props("loading").disable()
         try:
             await self._take(self._studio.gallery.keep_portrait())
         finally:
-            self._portrait.props(remove="loading")
+            self._portrait.props(remove="loading").enable()
 
     async def _take(self, kept: Awaitable[str]) -> None:
         self._chosen = await kept

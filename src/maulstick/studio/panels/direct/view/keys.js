@@ -80,7 +80,7 @@ export class Keys {
       Delete: away, Backspace: away, l: some(ask("lock")),
       v: take("choose"), h: take("pan"), b: take("draw"),
       r: take("region"), p: take("bare"), i: take("importance"), g: take("guide"),
-    }[key];
+    }[key.length > 1 ? key : key.toLowerCase()]; // as Caps Lock has it
   }
 
   // What an arrow key does: it moves what is chosen, or else the view.

@@ -169,11 +169,10 @@ const told = {
     if (around) found = strokes.within(around);
     if (all) found = strokes.order;
     if (by) found = strokes.beside([...chosen].at(-1), by);
-    if (adds && place && found.every((id) => chosen.has(id))) {
-      for (const id of found) chosen.delete(id);
-    } else {
-      chosen = new Set(adds ? [...chosen, ...found] : found);
-    }
+    const isLess = adds && place && found.every((id) => chosen.has(id));
+    if (!adds) chosen = new Set();
+    for (const id of found) chosen.delete(id);
+    if (!isLess) for (const id of found) chosen.add(id); // last: the next one is beside it
     surfaces.chosen.see(view);
     postMessage({ chosen: known() });
   },
