@@ -1,3 +1,4 @@
+import json
 import re
 from pathlib import Path
 
@@ -178,3 +179,11 @@ def test_a_view_survives_its_file_and_another_file_is_refused(tmp_path: Path) ->
     (tmp_path / "other.json").write_text('{"size": [800, 600]}')
     with pytest.raises(InputError, match="is not a camera's view: homography"):
         read_view(tmp_path / "other.json")
+
+
+@pytest.mark.parametrize("row", [[0, 0, 0], [2, 0, 0]])
+def test_a_view_that_shows_the_sheet_as_a_line_is_refused(tmp_path: Path, row: list[float]) -> None:
+    view = {"size": [800, 600], "homography": [[1, 0, 0], row, [0, 0, 1]]}
+    (tmp_path / "camera.json").write_text(json.dumps(view))
+    with pytest.raises(InputError, match="homography: it shows the sheet as a line; look at the sheet again"):
+        read_view(tmp_path / "camera.json")

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Annotated, Final, Literal
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, field_validator
 from scipy.optimize import least_squares
 
 from maulstick.calibration.tags import found_tags, is_mirrored, repeated_tags
@@ -30,6 +30,7 @@ _GRID = 15  # places across the sheet at which the standard error is computed
 _FINEST = 8  # samples across a pixel of the canvas at most, which bounds the memory
 _NEWTON = 8  # steps, enough from a distortion of a few per cent to rounding
 _RIM_PX = 1.0  # pixels by which a corner may lie outside: clicks on the rim, and rounding
+_FLATTEST = 1e9  # condition of a homography: beyond it the sheet is seen as a line
 _NAMES = ("upper left", "upper right", "lower right", "lower left")
 _Side = Annotated[int, Field(gt=0)]
 _Row = tuple[float, float, float]
@@ -56,6 +57,13 @@ class CameraView(BaseModel):
     bend: tuple[_Small, _Small] = (0.0, 0.0)
     tags: tuple[int, ...] = ()
     error: tuple[float, float] | None = None
+
+    @field_validator("homography")
+    @classmethod
+    def _shows_an_area(cls, homography: tuple[_Row, _Row, _Row]) -> tuple[_Row, _Row, _Row]:
+        if not np.linalg.cond(np.array(homography)) < _FLATTEST:
+            raise ValueError("it shows the sheet as a line; look at the sheet again")
+        return homography
 
     @property
     def hidden(self) -> tuple[int, ...]:
