@@ -30,6 +30,12 @@ def rows_of(name: str) -> list[Row]:
     return [json.loads(line) for line in (ROOT / "measured" / f"{name}.jsonl").read_text(encoding="utf-8").splitlines()]
 
 
+def commits() -> dict[str, str]:
+    """By the name of kept rows, the commit of the code that they were measured with."""
+    found: dict[str, str] = json.loads((ROOT / "measured" / "commits.json").read_text(encoding="utf-8"))
+    return found
+
+
 def rows_of_others(name: str) -> list[Row]:
     """The rows that were kept of other checkouts, which may be gone."""
     return [row for row in rows_of(name) if row["source"] != "here"]

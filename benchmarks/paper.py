@@ -3,11 +3,13 @@
     .venv/bin/python benchmarks/paper.py [NAME ...] [--tables]
 
 Each NAME is a benchmark whose rows, one JSON object per line, are kept in measured/NAME.jsonl; all of them by default,
-which takes hours. A file changes only when its benchmark has run to its end. --tables measures nothing. Tables stand in
-README.md and docs/*.md between `<!-- measured NAME -->` and `<!-- end -->`, and a test compares them with the files.
+which takes hours. A file changes only when its benchmark has run to its end; measured/commits.json says with which
+code. --tables measures nothing. Tables stand in README.md and docs/*.md between `<!-- measured NAME -->` and
+`<!-- end -->`, and a test compares them with the files.
 """
 
 import argparse
+import json
 import re
 import subprocess
 import sys
@@ -23,7 +25,7 @@ import tables_of_plans as plans
 import tables_of_styles as styles
 import tables_of_summary as summary
 import tables_of_terms as terms
-from kept import ROOT
+from kept import ROOT, commits, table
 
 COMMANDS = {
     "plan": ["benchmarks/plan.py"],
@@ -58,7 +60,15 @@ COMMANDS = {
     "sim_to_real": ["experiments/sim_to_real.py"],
     "other_renderer": ["experiments/other_renderer.py"],  # last: splender may be missing
 }
+CODE = ("*.py", "*.cpp", "*.hpp")
 MARKED = re.compile(r"(<!-- measured (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
+
+
+def commits_table() -> str:
+    """Benchmarks, and the commit of the code that their rows were measured with."""
+    lines = [[f"`{name}`", f"`{' '.join(COMMANDS[name])}`", f"`{commit}`"] for name, commit in commits().items()]
+    return table(["rows", "made by", "commit"], lines)
+
 
 TABLES: dict[str, Callable[[], str]] = {
     "plan": plans.plan_table,
@@ -96,6 +106,7 @@ TABLES: dict[str, Callable[[], str]] = {
     "sim_to_real": easel.sim_to_real_table,
     "summary": summary.summary_table,
     "headlines": headlines.headlines_table,
+    "commits": commits_table,
 }
 DOCUMENTS = (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")))
 
@@ -106,11 +117,26 @@ def filled(text: str) -> str:
 
 
 def measure(name: str) -> None:
-    """Run a benchmark and keep its rows."""
+    """Run a benchmark and keep its rows, and the commit of the code that it ran with."""
+    commit = commit_of_code()
     ran = subprocess.run([sys.executable, *COMMANDS[name]], cwd=ROOT, stdout=subprocess.PIPE, text=True)
     if ran.returncode:
         sys.exit(f"{name} is kept as it was: its benchmark failed, see above")
     (ROOT / "measured" / f"{name}.jsonl").write_text(ran.stdout, encoding="utf-8")
+    kept = json.dumps(commits() | {name: commit}, indent=2, sort_keys=True)
+    (ROOT / "measured" / "commits.json").write_text(f"{kept}\n", encoding="utf-8")
+
+
+def commit_of_code() -> str:
+    """The commit of this checkout, with a + where its code has changed since; `unknown` where git knows of none."""
+    ran = [
+        subprocess.run(["git", "-C", ROOT, *asked], capture_output=True, text=True)
+        for asked in (["rev-parse", "--short=7", "HEAD"], ["status", "--porcelain", "--", *CODE])
+    ]
+    if any(each.returncode for each in ran):
+        return "unknown"
+    head, changed = (each.stdout.strip() for each in ran)
+    return f"{head}+" if changed else head
 
 
 def main() -> None:
