@@ -168,7 +168,10 @@ def test_a_line_that_is_painted_is_cut_at_bare_paper(folder: Path) -> None:
     [
         ('[a]\ncolour = "#0000ff"\nsoft = "wide"', "is not a length"),
         ('[a]\ncolour = "#0000ff"\nbare = true\nsoft = "2mm"', "bare paper has sharp edges"),
-        ('[a]\ncolour = "#0000ff"\ndirection = "up"', "direction"),
+        (
+            '[a]\ncolour = "#0000ff"\ndirection = "up"',
+            r"a\.direction: it must be degrees clockwise from the right, or \"guides\" \(got 'up'\)",
+        ),
     ],
 )
 def test_what_a_region_cannot_have_is_refused(folder: Path, say: str, fault: str) -> None:

@@ -2,10 +2,11 @@
 
 import re
 import tomllib
+from math import isfinite
 from pathlib import Path
 from typing import Annotated, Final, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, TypeAdapter, ValidationError
 
 from maulstick.errors import InputError, validation_fault
 from maulstick.jobs.plan.options import LARGEST_HAND, LEAST_HAND
@@ -16,9 +17,24 @@ from maulstick.storage.library import all_placed, placed
 REST: Final = "rest"
 """Name of what no region of a map covers."""
 
+ALONG_GUIDES: Final = "guides"
+"""Direction of strokes that follow the guides."""
+
 _LARGEST = 2**20  # bytes of the file: thousands of regions
 _MOST = 64  # regions: more than a person tells apart by their colours
 _OF_STROKES = re.compile(r"all|\d+(-\d+)?")
+
+
+def _direction(said: object) -> object:
+    if said is None or said == ALONG_GUIDES:
+        return said
+    if isinstance(said, bool) or not isinstance(said, int | float) or not isfinite(said):
+        raise ValueError(f'it must be degrees clockwise from the right, or "{ALONG_GUIDES}"')
+    return float(said)
+
+
+Direction = Annotated[float | Literal["guides"] | None, BeforeValidator(_direction)]
+"""Direction of strokes: degrees clockwise from the right, along the guides, or None for any."""
 
 
 class RegionDescription(BaseModel):
@@ -34,7 +50,7 @@ class RegionDescription(BaseModel):
     importance: Annotated[float, Field(ge=0, le=1000)] = 1.0
     weights: dict[Literal["tone", "edges"], Annotated[float, Field(ge=0, le=1000)]] = Field(default_factory=dict)
     colours: Annotated[list[str], Field(min_length=1)] | None = None
-    direction: Annotated[float, Field(allow_inf_nan=False)] | Literal["guides"] | None = None
+    direction: Direction = None
     soft: str | None = None
     bare: bool = False
 

@@ -9,7 +9,13 @@ import shapely
 
 from maulstick.colour.palette import parse_colour
 from maulstick.errors import InputError
-from maulstick.jobs.plan.region_descriptions import REST, RegionDescription, names_strokes, read_descriptions
+from maulstick.jobs.plan.region_descriptions import (
+    ALONG_GUIDES,
+    REST,
+    RegionDescription,
+    names_strokes,
+    read_descriptions,
+)
 from maulstick.painting.brush import Brush, in_painting_order, load_brushes
 from maulstick.painting.fit import place_of
 from maulstick.painting.picture import read_picture
@@ -123,7 +129,7 @@ class RegionFiles:
             said.share,
             said.bare,
             radians(said.direction) if isinstance(said.direction, float) else None,
-            said.direction == "guides",
+            said.direction == ALONG_GUIDES,
             said.importance,
             tuple(said.weights.items()),
         )

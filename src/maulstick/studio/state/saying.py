@@ -8,14 +8,13 @@ from typing import Any, Final, final
 from pydantic import ValidationError
 
 from maulstick.errors import InputError, validation_fault
-from maulstick.jobs.plan.region_descriptions import names_strokes
+from maulstick.jobs.plan.region_descriptions import ALONG_GUIDES, names_strokes
 from maulstick.jobs.plan.request import PlanRequest
 from maulstick.studio.state.acts import Acts
 from maulstick.studio.state.titles import clean_title, numbered
 from maulstick.studio.workers.areas import brushed, enclosed, guide
 from maulstick.studio.workers.desk import Desk
 from maulstick.studio.workers.said import (
-    ALONG_GUIDES,
     SAID_ACT,
     Area,
     PutGuide,

@@ -2,8 +2,9 @@
 
 from collections.abc import Mapping
 
+from maulstick.jobs.plan.region_descriptions import ALONG_GUIDES
 from maulstick.storage.text import counted
-from maulstick.studio.workers.said import ALONG_GUIDES, Said, SaidRegion
+from maulstick.studio.workers.said import Said, SaidRegion
 from maulstick.studio.workers.stroke_changes import StrokeChanges
 
 

@@ -8,15 +8,12 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, TypeAdapter
 
 from maulstick.errors import InputError
 from maulstick.jobs.plan.options import LARGEST_HAND, LEAST_HAND
-from maulstick.jobs.plan.region_descriptions import REST
+from maulstick.jobs.plan.region_descriptions import REST, Direction
 from maulstick.painting.brush import Name
 from maulstick.painting.fields import Metres
 
 MOST_REGIONS: Final = 63
 """Regions of a plan, as many as a map has colours for beside white."""
-
-ALONG_GUIDES: Final = "guides"
-"""Direction of strokes that follow the guides."""
 
 _LEVELS = (0, 64, 128, 191, 255)  # of red, green and blue: neighbours are further apart than 60, as a map needs it
 _WHITE = (255, 255, 255)
@@ -46,7 +43,7 @@ class SaidRegion(_Placed):
     """Region of a sheet, and what holds there; None where that is as in the rest of the plan.
 
     colour: on the map.  bare: whether no ink lies there.  brush: names with commas between them, as of the option.
-    importance: how much more it counts than the rest.  direction: degrees clockwise from the right.
+    importance: how much more it counts than the rest.
     soft: width of its edge, metres.  brushed: whether it was painted with the broad brush of importance.
     """
 
@@ -58,7 +55,7 @@ class SaidRegion(_Placed):
     hand_size: Annotated[float, Field(ge=LEAST_HAND, le=LARGEST_HAND)] | None = None
     brush: str | None = None
     importance: Annotated[float, Field(ge=0, le=1000)] = 1.0
-    direction: Annotated[float, Field(ge=-360, le=360)] | Literal["guides"] | None = None
+    direction: Direction = None
     soft: Annotated[Metres, Field(ge=0, le=1)] = 0.0
     brushed: bool = False
 

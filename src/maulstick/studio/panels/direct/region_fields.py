@@ -7,12 +7,13 @@ from nicegui import ui
 from nicegui.elements.mixins.value_element import ValueElement
 
 from maulstick.jobs.plan.options import LARGEST_HAND, LEAST_HAND
+from maulstick.jobs.plan.region_descriptions import ALONG_GUIDES
 from maulstick.robot.machines import kind_of
 from maulstick.studio.state.plan import Plan
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.state.titles import MOST_LETTERS
 from maulstick.studio.widgets.brushes import brushes_for
-from maulstick.studio.workers.said import ALONG_GUIDES, SaidRegion
+from maulstick.studio.workers.said import SaidRegion
 
 _AS_THE_PLAN = "As in the plan"
 _ONE_WAY = "one"
