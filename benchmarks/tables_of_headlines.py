@@ -1,11 +1,12 @@
 """The table of the README, from rows that were kept."""
 
 import json
+from collections.abc import Callable
 
 import numpy as np
 from drawings import HANDS
-from intervals import interval, mean
-from kept import ROOT, Row, rows_of, table, with_range
+from intervals import Floats, interval, mean
+from kept import ROOT, Row, rows_of, table, with_interval, with_range
 from tables_of_arrangement import above_floor, normalised
 from tables_of_plans import gain_of, more_than, plans_of, steps_of
 
@@ -23,15 +24,10 @@ def headlines_table() -> str:
 def _of_plans() -> list[list[str]]:
     rows = [row for row in rows_of("plan") if "seed" in row]
     images = list(dict.fromkeys(row["image"] for row in rows))
-    ours, published = ([plans_of(rows, image, name) for image in images] for name in ("plan", "paper"))
-    portrait = images.index("astronaut")
-    psnr = [with_range([row["psnr"] for row in each[portrait]], 1) for each in (ours, published)]
-    gains = [
-        np.array([a["psnr"] - b["psnr"] for a, b in zip(*each, strict=True)])
-        for each in zip(ours, published, strict=True)
-    ]
-    low, high = interval(gains, mean)
-    seconds = [[row["processor_seconds"] for each in of for row in each] for of in (ours, published)]
+    ours, published = ({image: plans_of(rows, image, name) for image in images} for name in ("plan", "paper"))
+    psnr = [with_range([row["psnr"] for row in plans["astronaut"]], 1) for plans in (ours, published)]
+    seconds = [[row["processor_seconds"] for each in plans.values() for row in each] for plans in (ours, published)]
+    gains = more_than(ours, published)
     return [
         [
             "400 strokes, 256 px, 500 steps, a portrait, three seeds",
@@ -41,14 +37,14 @@ def _of_plans() -> list[list[str]]:
         ],
         [
             "the same, six photographs: how much nearer than the published way in three times the steps",
-            f"{np.concatenate(gains).mean():.2f} ({low:.2f} to {high:.2f}) dB",
+            f"{_of_groups(gains, mean)} dB",
             f"the least of the six: {min(map(mean, gains)):.1f} dB",
             "`benchmarks/plan.py`",
         ],
         [
             "the same: how long they take one processor",
-            f"{min(seconds[0]):.0f} to {max(seconds[0]):.0f} s",
-            f"the published way: {min(seconds[1]):.0f} to {max(seconds[1]):.0f} s",
+            _reach(seconds[0]),
+            f"the published way: {_reach(seconds[1])}",
             SAME,
         ],
     ]
@@ -66,9 +62,8 @@ def _of_steps() -> list[str]:
     return [
         "500 steps beside the 1,500 that were usual: six photographs, three seeds",
         ", ".join(f"{style} {gain_of(each)}" for style, each in zip(styles, more, strict=True))
-        + f"; {min(seconds[0]):.0f} to {max(seconds[0]):.0f} s of one processor",
-        f"{min(seconds[1]):.0f} to {max(seconds[1]):.0f} s; "
-        f"the worst of the {len(each_more)}: {-each_more.min():.1f} dB less",
+        + f"; {_reach(seconds[0])} of one processor",
+        f"{_reach(seconds[1])}; the worst of the {len(each_more)}: {-each_more.min():.1f} dB less",
         "`benchmarks/steps.py` ([how](docs/planning.md#steps))",
     ]
 
@@ -149,8 +144,7 @@ def _of_arrangement() -> list[str]:
             above_floor([row for row in rows if (row["row"], row["hand"]) == (name, hand)], people, "energy")
             for hand in HANDS
         ]
-        low, high = interval(groups, normalised)
-        figures[name] = f"{normalised(np.concatenate(groups)):.2f} ({low:.2f} to {high:.2f})"
+        figures[name] = _of_groups(groups, normalised)
     counts = [len({row[key] for row in plans}) for key in ("hand", "photograph", "seed")]
     return [
         "how strokes of one ink lie beside each other, 0 the hand's other half, 1 other people; "
@@ -171,11 +165,17 @@ def _of_demo() -> list[str]:
     ]
 
 
+def _reach(seconds: list[float]) -> str:
+    return f"{min(seconds):.0f} to {max(seconds):.0f} s"
+
+
+def _of_groups(groups: list[Floats], statistic: Callable[[Floats], float]) -> str:
+    return with_interval(statistic(np.concatenate(groups)), interval(groups, statistic))
+
+
 def _within(row: Row, key: str) -> str:
-    low, high = row[f"{key}_interval"]
-    return f"{row[key]:.2f} ({low:.2f} to {high:.2f})"
+    return with_interval(row[key], row[f"{key}_interval"])
 
 
 def _error(row: Row, digits: int) -> str:
-    ratio = " to ".join(f"{bound:.{digits}f}" for bound in row["interval"])
-    return f"{row['extended']:.4f}; ratio {row['ratio']:.{digits}f} ({ratio})"
+    return f"{row['extended']:.4f}; ratio {with_interval(row['ratio'], row['interval'], digits)}"

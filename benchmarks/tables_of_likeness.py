@@ -1,7 +1,7 @@
 """Tables of how like a hand its style draws, from rows that were kept."""
 
 import numpy as np
-from kept import Row, rows_of, table, with_range
+from kept import Row, rows_of, table, with_interval, with_range
 
 
 def kinds_table() -> str:
@@ -18,11 +18,6 @@ def kinds_table() -> str:
             line.append("" if row is None else with_interval(row["awry"], row["interval"]))
         lines.append(line)
     return table(["", "hands", *models], sorted(lines, key=lambda line: line[0] != "worst kind"))
-
-
-def with_interval(value: float, ends: list[float], digits: int = 2) -> str:
-    """A figure and the ends of its interval."""
-    return f"{value:.{digits}f} ({ends[0]:.{digits}f} to {ends[1]:.{digits}f})"
 
 
 def recognition_table() -> str:
