@@ -1,5 +1,6 @@
 """Pictures of murals, as fine as the canvas."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -25,6 +26,17 @@ def test_a_mural_is_planned_from_as_much_of_its_picture_as_its_canvas_shows(tmp_
     assert mural.target((0, 5000, 60, 5010))[:, 30, 0] == pytest.approx([1, 0] * 5, abs=0.01)
 
 
+@pytest.mark.parametrize("shape", [(1000, 8000), (8000, 1000)])
+def test_a_long_picture_is_read_as_finely_as_its_canvas(tmp_path: Path, shape: tuple[int, int]) -> None:
+    columns = np.zeros((*shape, 3), dtype=np.uint8)
+    columns[:, ::2] = 255
+    Image.fromarray(columns).save(tmp_path / "columns.png")
+    size = f"{shape[1] / 20:g}x{shape[0] / 20:g}mm"
+    mural = prepare(PlanRequest(tmp_path / "columns.png", replace(OPTIONS, size=size, px=shape[0]))).mural
+    assert mural is not None
+    assert mural.target((500, 500, 510, 510))[5, :, 0] == pytest.approx([1, 0] * 5, abs=0.01)
+
+
 def test_a_picture_in_memory_is_as_fine(monkeypatch: pytest.MonkeyPatch) -> None:
     shapes: list[tuple[int, ...]] = []
 
@@ -33,10 +45,11 @@ def test_a_picture_in_memory_is_as_fine(monkeypatch: pytest.MonkeyPatch) -> None
         raise InputError("seen")
 
     monkeypatch.setattr("maulstick.api.planning.prepare", stop)
-    for options in (OPTIONS, PlanOptions()):
+    wide = STRIPES.swapaxes(0, 1)
+    for picture, options in ((STRIPES, OPTIONS), (STRIPES, PlanOptions()), (wide, PlanOptions(px=60))):
         with pytest.raises(InputError, match="seen"):
-            ms.plan(STRIPES, options=options)
-    assert shapes == [STRIPES.shape, (READ_PX, 41, 3)]
+            ms.plan(picture, options=options)
+    assert shapes == [STRIPES.shape, (READ_PX, 41, 3), wide.shape]
 
 
 @pytest.mark.parametrize(("px", "read"), [(None, READ_PX), (2048, READ_PX), (8192, 16384)])

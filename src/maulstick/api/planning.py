@@ -92,7 +92,7 @@ def plan(
     if picture is None and changes.get("text") is None and (options is None or options.text is None):
         raise InputError("there is nothing to paint; give a picture, or a text")
     asked = replace(options or PlanOptions(), **changes)
-    image = None if picture is None or path is not None else image_of(picture, asked.read_px)
+    image = None if picture is None or path is not None else image_of(picture, asked.read_px, asked.least_px)
     prepared = prepare(
         PlanRequest(path, asked, workers=workers),
         image,

@@ -42,10 +42,11 @@ _UPRIGHT = {  # what undoes each orientation of EXIF
 _LANCZOS = Image.Resampling.LANCZOS
 
 
-def read_picture(path: str | Path, longest_px: int | None = None) -> Pixels:
+def read_picture(path: str | Path, longest_px: int | None = None, shortest_px: int = 0) -> Pixels:
     """Return a picture as (H, W, 3) sRGB in [0, 1]: upright, on white where it is transparent, the first of several.
 
     longest_px: scale it down so that no side is longer; a large JPEG is then never decoded whole.
+    shortest_px: but not so far that its shorter side has fewer.
     Raises InputError where the file is missing, damaged, not a picture, or one of more than 100 megapixels.
     """
     if longest_px is not None and longest_px < 1:
@@ -58,7 +59,7 @@ def read_picture(path: str | Path, longest_px: int | None = None) -> Pixels:
             with Image.open(path, formats=formats_of(path)) as image:
                 if image.width * image.height > _LARGEST:
                     raise InputError(too_large)
-                return _decode(image, longest_px or max(image.size))
+                return _decode(image, longest_px or max(image.size), shortest_px)
     except InputError:
         raise
     except Image.DecompressionBombError as error:
@@ -70,16 +71,17 @@ def read_picture(path: str | Path, longest_px: int | None = None) -> Pixels:
         raise InputError(f"cannot read the picture {path}: {_reason(error)}; save or copy it again") from error
 
 
-def image_of(picture: Picture, longest_px: int = READ_PX) -> Pixels:
+def image_of(picture: Picture, longest_px: int = READ_PX, shortest_px: int = 0) -> Pixels:
     """Return (H, W, 3) sRGB in [0, 1] of a path, a Pillow image, or an array (H, W, 3) or (H, W), scaled down.
 
+    longest_px, shortest_px: as for `read_picture`.
     Raises InputError for a file or an image that cannot be read or has no pixels, and for an array that is neither
     uint8 nor float in [0, 1]: its values are never clipped or scaled.
     """
     if isinstance(picture, str | Path):
-        return read_picture(picture, longest_px)
+        return read_picture(picture, longest_px, shortest_px)
     if isinstance(picture, Image.Image):
-        return _image_of(picture, longest_px)
+        return _image_of(picture, longest_px, shortest_px)
     try:
         pixels = np.asarray(picture)
     except Exception as error:  # as of rows of unlike length, or of a tensor on a GPU
@@ -99,17 +101,17 @@ def image_of(picture: Picture, longest_px: int = READ_PX) -> Pixels:
         raise InputError(f"the picture is an array of {pixels.dtype}; give uint8, or float in [0, 1]")
     if image.ndim == 2:
         image = np.repeat(image[..., None], 3, axis=2)
-    size = _at_most((image.shape[1], image.shape[0]), longest_px)
+    size = _at_most((image.shape[1], image.shape[0]), longest_px, shortest_px)
     if size == (image.shape[1], image.shape[0]):
         return image
     return scaled(image, size, (0, 0, image.shape[1], image.shape[0]))
 
 
-def _image_of(image: Image.Image, longest_px: int) -> Pixels:
+def _image_of(image: Image.Image, longest_px: int, shortest_px: int) -> Pixels:
     if 0 in image.size:
         raise InputError(f"the picture has {image.width} x {image.height} pixels; it must have one at least")
     try:
-        return _decode(image.copy(), longest_px)
+        return _decode(image.copy(), longest_px, shortest_px)
     except Exception as error:  # one that was opened but not read yet is decoded here, and its file may be damaged
         raise InputError(f"cannot read the picture: {_reason(error)}; convert it to RGB first") from error
 
@@ -183,16 +185,16 @@ def _reason(error: Exception) -> str:
     return " ".join(str(error).split()) or type(error).__name__
 
 
-def _decode(image: Image.Image, longest_px: int) -> Pixels:
+def _decode(image: Image.Image, longest_px: int, shortest_px: int = 0) -> Pixels:
     if isinstance(image, TiffImageFile):
         _refuse_misread(image)
-    width, height = _at_most(image.size, longest_px)
+    width, height = _at_most(image.size, longest_px, shortest_px)
     image.draft(None, (2 * width, 2 * height))  # a JPEG is decoded at half, a quarter or an eighth of its size
     image.load()
     turn = _UPRIGHT.get(_orientation(image))
     deep = _is_deep(image)
     image = _deep_grey(image) if deep else _eight_bit(image)
-    size = _at_most(image.size, longest_px)
+    size = _at_most(image.size, longest_px, shortest_px)
     if image.size != size:
         image = image.resize(size, _LANCZOS, reducing_gap=3.0)
     if not deep:
@@ -206,8 +208,8 @@ def _decode(image: Image.Image, longest_px: int) -> Pixels:
     return pixels
 
 
-def _at_most(size: tuple[int, int], longest_px: int) -> tuple[int, int]:
-    scale = min(1.0, longest_px / max(size))
+def _at_most(size: tuple[int, int], longest_px: int, shortest_px: int) -> tuple[int, int]:
+    scale = min(1.0, max(longest_px / max(size), shortest_px / min(size)))
     return max(1, round(size[0] * scale)), max(1, round(size[1] * scale))
 
 

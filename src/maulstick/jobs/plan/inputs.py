@@ -30,7 +30,9 @@ _WIDEST_SHEET_PX = 2048  # over its width, for sheets that are much wider than h
 def picture_of(request: PlanRequest, image: Image | None) -> Image | None:
     """Return the picture as the options correct it, or None where there is only a text."""
     options = request.options
-    picture = read_picture(request.picture, longest_px=options.read_px) if request.picture is not None else image
+    picture = image
+    if request.picture is not None:
+        picture = read_picture(request.picture, options.read_px, options.least_px)
     if picture is not None:
         return options.edit.applied(picture)
     for name, value in vars(options.edit).items():
