@@ -36,7 +36,9 @@ def test_links_are_made_and_printed_one_a_line(folder: Path) -> None:
     assert len(tokens) == 3
 
 
-@pytest.mark.parametrize("host", ["http://192.168.1.20", "192.168.1.20:80", "a b", ""])
+@pytest.mark.parametrize(
+    "host", ["http://192.168.1.20", "192.168.1.20:80", "192.168.1.200.1", "192.168.1.256", "192.168", "a b", ""]
+)
 def test_no_links_are_made_that_lead_nowhere(folder: Path, host: str) -> None:
     ran = run("survey", folder, "--links", "1", "--host", host)
     assert ran.mistake == f"--host is {host!r}; it must be an address or a name of this computer, as in 192.168.1.20"

@@ -58,11 +58,11 @@ def survey(
 
 
 def _is_address(host: str) -> bool:
-    """Return whether links can lead to a host: what else is typed, as a whole address of a page, leads nowhere."""
+    """Return whether links can lead to a host: a page's whole address does not, nor a name that ends in a number."""
     with suppress(ValueError):
         ip_address(host)
         return True
-    return re.fullmatch(r"[a-z0-9_-]+(\.[a-z0-9_-]+)*", host, re.IGNORECASE) is not None
+    return re.fullmatch(r"([a-z0-9_-]+\.)*(?!\d+$)[a-z0-9_-]+", host, re.IGNORECASE) is not None
 
 
 def _serve(folder: Path, host: str, port: int) -> None:
