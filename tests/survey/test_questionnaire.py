@@ -171,11 +171,11 @@ def test_a_survey_that_names_files_elsewhere_is_refused(folder: Path, name: str)
         read_survey(folder)
 
 
-def test_a_link_in_the_place_of_a_picture_is_refused(folder: Path, tmp_path: Path) -> None:
-    (tmp_path / "secret").write_bytes(b"secret")
-    (folder / "hand-2.png").unlink()
-    (folder / "hand-2.png").symlink_to(tmp_path / "secret")
-    with pytest.raises(InputError, match=re.escape("hand-2.png is a link; put the picture itself in its place")):
+@pytest.mark.parametrize(("name", "what"), [("hand-2.png", "picture"), ("survey.json", "survey")])
+def test_a_link_in_the_place_of_a_file_is_refused(folder: Path, tmp_path: Path, name: str, what: str) -> None:
+    (folder / name).rename(tmp_path / "secret")
+    (folder / name).symlink_to(tmp_path / "secret")
+    with pytest.raises(InputError, match=re.escape(f"{name} is a link; put the {what} itself in its place")):
         read_survey(folder)
 
 

@@ -164,8 +164,9 @@ def build(folder: str | Path, title: str, match: Match | None, opinions: Opinion
 
 
 def read_survey(folder: str | Path) -> Survey:
-    """Read the survey in a folder. Raises InputError where there is none, or one of its pictures is missing."""
+    """Read the survey in a folder. Raises InputError where there is none, a picture is missing, or a file is a link."""
     folder = Path(folder)
+    check_no_link(folder / _RECORD, "survey")
     survey = read_record(Survey, folder / _RECORD, "survey")
     for picture in survey.pictures():
         check_no_link(file_to_read(folder / picture, "picture"), "picture")
