@@ -290,6 +290,19 @@ def test_places_are_those_that_a_browser_takes(body: str, expected: list[list[fl
     assert ends(f'<defs><path id="line" d="M10 10H20"/></defs>{body}') == [expected]
 
 
+@pytest.mark.parametrize("radii", ['ry="5"', 'rx="5"', 'rx="auto" ry="5"', 'rx="-1" ry="10%"'])
+def test_a_radius_that_is_left_out_is_the_other(radii: str) -> None:
+    (ellipse,) = strokes(f'<ellipse cx="20" cy="20" {radii}/>')
+    assert np.linalg.norm(ellipse - [20, 20], axis=1) == pytest.approx(5, abs=0.01)
+    (rect,) = strokes(f'<rect width="10" height="10" {radii}/>')
+    assert np.linalg.norm(rect - [5, 5], axis=1) == pytest.approx(5, abs=0.01)
+
+
+@pytest.mark.parametrize("shape", ['circle r="-3"', 'rect width="-5" height="9"', 'rect width="5"', 'ellipse cx="9"'])
+def test_what_has_no_size_is_not_drawn(shape: str) -> None:
+    assert ends(f"<{shape}/>{LINE}") == ends(LINE)
+
+
 def test_a_rectangle_takes_no_place_and_no_size_of_what_it_lies_in() -> None:
     (drawn,) = strokes('<svg x="10" y="20" width="30" height="20"><rect width="5" height="4"/><rect height="4"/></svg>')
     assert drawn[:3].tolist() == [[10, 20], [15, 20], [15, 24]]

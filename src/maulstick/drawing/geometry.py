@@ -8,7 +8,7 @@ from svgelements import Ellipse, Path, Rect  # type: ignore[import-untyped]
 
 from maulstick.drawing.document import NO_PLACE
 from maulstick.errors import InputError
-from maulstick.recording.files.lengths import Viewport, pixels
+from maulstick.recording.files.lengths import Viewport
 from maulstick.recording.files.markup import local_name
 from maulstick.recording.files.svg_paths import CORNERED, chains_of, coordinates, is_whole, parted
 from maulstick.storage.arrays import Floats
@@ -53,7 +53,7 @@ def _rect(element: Element, viewport: Viewport) -> list[Floats]:
     width, height = viewport.x(element, "width"), viewport.y(element, "height")
     if width <= 0 or height <= 0:
         return []
-    across, down = _radii(element, viewport)
+    across, down = viewport.radii(element)
     rx, ry = min(across, width / 2), min(down, height / 2)
     if rx > 0 and ry > 0:
         return _chains(Path(Rect(x=x, y=y, width=width, height=height, rx=rx, ry=ry)))
@@ -67,14 +67,7 @@ def _circle(element: Element, viewport: Viewport) -> list[Floats]:
 
 
 def _ellipse(element: Element, viewport: Viewport) -> list[Floats]:
-    return _round(element, viewport, *_radii(element, viewport))
-
-
-def _radii(element: Element, viewport: Viewport) -> tuple[float, float]:
-    """Return the radii along x and y; one that is not given, or below 0, is the other."""
-    along = pixels(element.get("rx"), viewport.width), pixels(element.get("ry"), viewport.height)
-    rx, ry = (None if radius is None or radius < 0 else radius for radius in along)
-    return (ry or 0.0) if rx is None else rx, (rx or 0.0) if ry is None else ry
+    return _round(element, viewport, *viewport.radii(element))
 
 
 def _round(element: Element, viewport: Viewport, rx: float, ry: float) -> list[Floats]:

@@ -48,6 +48,12 @@ class Viewport:
         """Return a length along neither, as a radius is, in user units."""
         return pixels(text, hypot(self.width, self.height) / 2**0.5) or 0.0
 
+    def radii(self, element: Element) -> tuple[float, float]:
+        """Return the radii along x and y, in user units; one that is not given, or below 0, is the other."""
+        along = pixels(element.get("rx"), self.width), pixels(element.get("ry"), self.height)
+        rx, ry = (None if radius is None or radius < 0 else radius for radius in along)
+        return (ry or 0.0) if rx is None else rx, (rx or 0.0) if ry is None else ry
+
 
 def _length(text: str | None, otherwise: str, whole: float) -> float:
     found = pixels(text, whole)

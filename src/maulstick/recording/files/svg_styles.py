@@ -1,7 +1,8 @@
 """Attributes of an SVG as svgelements can read them.
 
 It knows few selectors, and of CSS's moves `transform` alone. A box without a place or a size gets that of one around
-it, percentages in and after an inner <svg> are of the wrong viewport, and ``em`` is an error.
+it, an ellipse without a radius one of 1, what is smaller than nothing is drawn, percentages in and after an inner <svg>
+are of the wrong viewport, and ``em`` is an error.
 """
 
 from xml.etree.ElementTree import Element
@@ -16,9 +17,9 @@ from maulstick.recording.files.transforms import transform_of
 _MOVED = MOVES | {"transform-origin"}  # properties for which a transform is written anew
 _ALONG_X = {  # lengths of elements, whose others along y are called alike
     "circle": ("cx",),
-    "ellipse": ("cx", "rx"),
+    "ellipse": ("cx",),
     "line": ("x1", "x2"),
-    "rect": ("x", "width", "rx"),
+    "rect": ("x", "width"),
     "svg": ("x", "width"),
     "use": ("x",),
 }
@@ -58,16 +59,18 @@ def _write_lengths(element: Element, viewport: Viewport) -> None:
     for x in _ALONG_X.get(tag, ()):
         y = x.replace("x", "y").replace("width", "height")
         whole = "100%" if (tag, x) == ("svg", "width") else "0"
-        for name, length in ((x, viewport.x(element, x, whole)), (y, viewport.y(element, y, whole))):
-            if name in element.attrib or not name.startswith("r"):  # a radius that is left out is the other
-                element.set(name, repr(length))
+        element.set(x, repr(viewport.x(element, x, whole)))
+        element.set(y, repr(viewport.y(element, y, whole)))
+    if tag in ("ellipse", "rect"):
+        for name, radius in zip(("rx", "ry"), viewport.radii(element), strict=True):
+            element.set(name, repr(radius))
     if tag == "circle":
-        element.set("r", repr(viewport.other(element.get("r"))))
-    if tag == "svg":
+        element.set("r", repr(max(viewport.other(element.get("r")), 0.0)))
+    if tag in ("rect", "svg"):
         width, height = element.get("width", ""), element.get("height", "")
-        if min(float(width), float(height)) <= 0:  # svgelements would end there
+        if min(float(width), float(height)) <= 0:  # svgelements would draw one below 0, or end there
             element.set("display", "none")
-        elif view_box(element) is None:  # or svgelements would not move it
+        elif tag == "svg" and view_box(element) is None:  # or svgelements would not move it
             element.set("viewBox", f"0 0 {width} {height}")
 
 
