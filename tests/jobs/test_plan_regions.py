@@ -332,6 +332,7 @@ def test_shares_that_are_one_together_are_taken_though_a_sum_of_doubles_may_say_
         ("[face]\ncolour = 'red'\nshare = 1.5\n", "face.share: Input should be less than 1"),
         ("[face]\ncolour = 'red'\ndirection = inf\n", "other.toml: face.direction: it must be degrees clockwise"),
         ("[face]\ncolour = 'red'\ndirection = nan\n", "other.toml: face.direction: it must be degrees clockwise"),
+        (f"[face]\ncolour = 'red'\ndirection = 1{400 * '0'}\n", "other.toml: face.direction: it must be degrees"),
         ("[face]\ncolour = 'red'\nstyle = 'nobody'\n", "there is no style 'nobody'"),
         ("[face]\ncolour = 'red'\nbrush = 'broom'\n", "there is no brush 'broom'"),
         ("[face]\ncolour = 'red'\nweights = {text = 2}\n", "face.weights.text"),

@@ -1,8 +1,8 @@
 """What a TOML file says of the regions of a map, and which names are no region's."""
 
 import re
+import sys
 import tomllib
-from math import isfinite
 from pathlib import Path
 from typing import Annotated, Final, Literal
 
@@ -28,7 +28,7 @@ _OF_STROKES = re.compile(r"all|\d+(-\d+)?")
 def _direction(said: object) -> object:
     if said is None or said == ALONG_GUIDES:
         return said
-    if isinstance(said, bool) or not isinstance(said, int | float) or not isfinite(said):
+    if isinstance(said, bool) or not isinstance(said, int | float) or not abs(said) <= sys.float_info.max:
         raise ValueError(f'it must be degrees clockwise from the right, or "{ALONG_GUIDES}"')
     return float(said)
 
