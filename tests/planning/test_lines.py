@@ -5,9 +5,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
+from scipy.ndimage import map_coordinates
 
 from maulstick.painting.brush import load_brush
 from maulstick.painting.painting import Sheet
+from maulstick.planning import lines
 from maulstick.planning.layout import lay_out_for
 from maulstick.planning.lines import line_drawing, lines_for, lines_on
 from maulstick.storage.arrays import Floats, Image
@@ -117,3 +119,12 @@ def test_a_light_ink_draws_the_lines_that_are_lighter_than_around() -> None:
     dark, light = (lay_out_for(each, sheet, pen, "contain", 100) for each in (disc(60), 1 - disc(60)))
     assert np.abs(lines_on(light, pen, light=True) - lines_on(dark, pen)).max() < 1e-3
     assert np.abs(lines_on(dark, pen, light=True) - lines_on(dark, pen)).max() > 0.3
+
+
+def test_the_nearest_pixels_are_those_of_an_interpolation_of_order_0_beyond_the_edges_too() -> None:
+    rng = np.random.default_rng(0)
+    values = rng.normal(size=(2, 7, 5))
+    row, column = rng.uniform(-3, 10, (30, 40)), rng.uniform(-3, 8, (30, 40))
+    row[0], column[0] = np.arange(40) / 2 - 6, np.arange(40)[::-1] / 2 - 6  # half-way between pixels
+    interpolated = [map_coordinates(each, np.stack([row, column]), order=0, mode="nearest") for each in values]
+    np.testing.assert_array_equal(lines._nearest_to(values, row, column), interpolated)

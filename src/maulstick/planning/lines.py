@@ -5,8 +5,6 @@ A flow-based difference of Gaussians (Kang, Lee and Chui 2007), whose flow is th
 flow it is averaged, so that lines hang together. What is left of a line is its middle, as wide as the pen.
 """
 
-from typing import Literal
-
 import numpy as np
 from scipy.ndimage import gaussian_filter, grey_dilation, map_coordinates
 from skimage.color import rgb2gray
@@ -99,7 +97,7 @@ def _averaged_along(values: Floats, along: Floats, sigma: float) -> Floats:
             weight = float(np.exp(-(step**2) / (2 * sigma**2)))
             total += weight * _at(values, row, column)
             weights += weight
-            next_x, next_y = (_at(part, row, column, order=0) for part in along)
+            next_x, next_y = _nearest_to(along, row, column)
             on = np.where(next_x * x + next_y * y < 0, -1, 1)  # a flow has no sign: go on, never back
             x, y = on * next_x, on * next_y
     averaged: Floats = total / weights
@@ -113,9 +111,19 @@ def _middles(values: Floats, along: Floats) -> Floats:
     return np.where(_NEARLY * values <= np.minimum(*beside), values, 0.0)
 
 
-def _at(values: Floats, row: Floats, column: Floats, order: Literal[0, 1] = 1) -> Floats:
-    found: Floats = map_coordinates(values, np.stack([row, column]), order=order, mode="nearest")
+def _at(values: Floats, row: Floats, column: Floats) -> Floats:
+    """Return values (H, W) between pixels; beyond the edges, those there."""
+    found: Floats = map_coordinates(values, np.stack([row, column]), order=1, mode="nearest")
     return found
+
+
+def _nearest_to(values: Floats, row: Floats, column: Floats) -> Floats:
+    """Return values (C, H, W) of the nearest pixels, (C, ...)."""
+    rows, columns = (
+        np.floor(each.clip(0, most - 1) + 0.5).astype(np.int64)
+        for each, most in zip((row, column), values.shape[1:], strict=True)
+    )
+    return values[:, rows, columns]
 
 
 def _disc(radius: float) -> Bools:

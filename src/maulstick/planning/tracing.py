@@ -126,6 +126,11 @@ class _Hand:
         if not len(rows):
             return None
         ends = np.searchsorted(away, chords[rows]).clip(min=1)
+        covered = ends.clip(max=len(line) - 1)
+        hopeful = covered - 2 * (ends - covered) >= _LEAST_GAIN * self._lengths[rows]  # however little they go astray
+        if not hopeful.any():
+            return None
+        rows, ends, covered = rows[hopeful], ends[hopeful], covered[hopeful]
         turns = np.angle((points[ends] - points[0]) / self._chords[rows])
         back = np.abs(turns) > np.pi / 2
         turns = np.where(back, turns - np.copysign(np.pi, turns), turns)
@@ -135,7 +140,6 @@ class _Hand:
         wanted = np.interp(at, np.arange(len(points)), points)
         moved = turned + (wanted - turned).mean(axis=1, keepdims=True)
         astray = np.sqrt(np.square(np.abs(moved - wanted)).mean(axis=1))
-        covered = ends.clip(max=len(line) - 1)
         gains = covered - _ASTRAY * astray - 2 * (ends - covered)
         gains[gains < _LEAST_GAIN * self._lengths[rows]] = -np.inf
         best = int(np.argmax(gains))
