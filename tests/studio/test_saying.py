@@ -73,6 +73,9 @@ def test_what_cannot_be_said_is_refused_in_a_sentence_and_not_kept(tmp_path: Pat
         for fields in ({"name": "Region"}, {"name": "rest"}, {"name": "\n"}, {"importance": -1}, {"hand_size": 0}):
             with pytest.raises(InputError, match=r"called|said of a region"):
                 await said.change(other, **fields)
+        for degrees in (361, -400.5):
+            with pytest.raises(InputError, match="direction: it must be from -360 to 360 degrees"):
+                await said.change(other, direction=degrees)
         for name in ("all", "7", " 2-5 "):
             with pytest.raises(InputError, match=f"strokes are named as {name.strip()} is; give the region another"):
                 await said.change(other, name=name)

@@ -31,6 +31,12 @@ def _not_the_rest(name: str) -> str:
     return name
 
 
+def _within_a_turn(direction: float | str | None) -> float | str | None:
+    if isinstance(direction, float) and abs(direction) > 360:
+        raise ValueError("it must be from -360 to 360 degrees")
+    return direction
+
+
 class _Record(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
@@ -43,7 +49,7 @@ class SaidRegion(_Placed):
     """Region of a sheet, and what holds there; None where that is as in the rest of the plan.
 
     colour: on the map.  bare: whether no ink lies there.  brush: names with commas between them, as of the option.
-    importance: how much more it counts than the rest.
+    importance: how much more it counts than the rest.  direction: within a turn.
     soft: width of its edge, metres.  brushed: whether it was painted with the broad brush of importance.
     """
 
@@ -55,7 +61,7 @@ class SaidRegion(_Placed):
     hand_size: Annotated[float, Field(ge=LEAST_HAND, le=LARGEST_HAND)] | None = None
     brush: str | None = None
     importance: Annotated[float, Field(ge=0, le=1000)] = 1.0
-    direction: Direction = None
+    direction: Annotated[Direction, AfterValidator(_within_a_turn)] = None
     soft: Annotated[Metres, Field(ge=0, le=1)] = 0.0
     brushed: bool = False
 
