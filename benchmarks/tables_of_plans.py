@@ -142,9 +142,10 @@ def step_cost_table() -> str:
     columns = {
         "style": "{style}",
         "version": "{source}",
-        "step": "{step_ms:.1f} ms",
+        "middle step": "{step_ms:.1f} ms",
         "renderer": "{kernel_ms:.1f} ms",
         "ratio": "{ratio:.2f}",
+        "mean of all steps": "{mean_ms:.1f} ms",
     }
     return table_of(rows_of("step_cost"), columns)
 

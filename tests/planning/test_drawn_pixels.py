@@ -37,9 +37,9 @@ APART = 0.03  # metres: so far apart lie four strokes on the canvas of the tests
 
 
 @pytest.fixture(scope="module", autouse=True)
-def small_canvases_count_as_large() -> Iterator[None]:
+def small_canvases_are_drawn_coarsely() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(drawn_pixels, "_LARGE", 40)
+        patch.setattr(drawn_pixels, "_FEWEST", 4)
         yield
 
 
@@ -110,12 +110,19 @@ def test_squares_are_a_third_of_the_room_of_a_stroke_and_no_broader_than_a_mark(
     assert coarsest(problem, FEW, APART / 100) == 1
 
 
-def test_a_small_canvas_one_ink_edges_and_what_networks_see_are_drawn_on_the_canvas_own_pixels(
-    problem: PlanningProblem,
+def test_a_picture_keeps_a_hundred_coarse_pixels_over_its_shorter_side(
+    problem: PlanningProblem, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    wide = coarsest(problem, FEW, APART)
+    monkeypatch.setattr(drawn_pixels, "_FEWEST", 100)
+    assert coarsest(problem, FEW, APART) == 1
+    for short, side in ((199, 1), (200, 2), (299, 2), (100 * wide + 99, wide), (200 * wide, wide)):
+        for size in ((short, 300 * wide), (300 * wide, short)):
+            assert coarsest(replace(problem, paper=torch.ones(1, *size)), FEW, APART) == side
+
+
+def test_one_ink_edges_and_what_networks_see_are_drawn_on_the_canvas_own_pixels(problem: PlanningProblem) -> None:
     assert problem.target is not None
-    small = replace(problem, paper=problem.paper[:, :39])
-    assert coarsest(small, FEW, APART) == 1
     assert coarsest(problem, replace(FEW, paints=None), APART) == 1
     edges = Weighted(Edges(problem.target, problem.weights), 0.01)
     assert coarsest(replace(problem, objectives=(*problem.objectives, edges)), FEW, APART) == 1
@@ -147,9 +154,7 @@ def test_a_view_of_fine_pixels_sees_what_the_canvas_shows_of_them() -> None:
     assert torch.allclose(seen, wanted, atol=FLOAT32_VALUE)
 
 
-def test_a_canvas_is_misjudged_where_fine_pixels_are_nearer_or_farther_by_a_fifth_of_a_decibel(
-    problem: PlanningProblem,
-) -> None:
+def test_a_canvas_is_misjudged_where_fine_pixels_are_nearer_or_farther_by_a_fifth_of_a_decibel() -> None:
     black = torch.zeros(3, 39, 59)
     seen = torch.full((3, 39, 59), 0.1)
     for decibels, told in ((0.19, 1), (0.21, FINE)):
@@ -158,7 +163,7 @@ def test_a_canvas_is_misjudged_where_fine_pixels_are_nearer_or_farther_by_a_fift
         assert finest(black, {1: other, FINE: seen}.__getitem__) == told
     assert finest(black, lambda side: black) == 1
     assert finest(None, {}.__getitem__) == 1
-    assert finest(problem.target, {}.__getitem__) == 1  # it counts as large here
+    assert finest(torch.zeros(3, 512, 520), {}.__getitem__) == 1
 
 
 @pytest.fixture(scope="module")
@@ -183,10 +188,7 @@ def seen(painting: Painting, layout: Layout) -> PlanMetrics:
     return metrics
 
 
-def test_hard_edges_end_on_fine_pixels_which_show_them_as_they_will_be(
-    square: Layout, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(drawn_pixels, "_LARGE", 512)
+def test_hard_edges_end_on_fine_pixels_which_show_them_as_they_will_be(square: Layout) -> None:
     painting = painted(square, fine=0.9)
     fine, own = seen(painting, square), seen(painted(square, fine=1.0), square)
     assert fine.psnr > own.psnr + 1
@@ -195,16 +197,12 @@ def test_hard_edges_end_on_fine_pixels_which_show_them_as_they_will_be(
     assert abs(fine.psnr_planned - fine.psnr) < 0.5 * abs(on_own_pixels - fine.psnr)
 
 
-def test_a_photograph_is_drawn_on_the_canvas_own_pixels_to_the_end(
-    problem: PlanningProblem, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(drawn_pixels, "_LARGE", 512)
+def test_a_photograph_is_drawn_on_the_canvas_own_pixels_to_the_end(problem: PlanningProblem) -> None:
     plans = [plan(problem, options(strokes=12, steps=40), schedule=Schedule(fine=fine)) for fine in (1.0, 0.9)]
     assert torch.equal(plans[0].strokes.centres, plans[1].strokes.centres)
 
 
-def test_a_plan_on_fine_pixels_goes_on_as_it_was_interrupted(square: Layout, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(drawn_pixels, "_LARGE", 512)
+def test_a_plan_on_fine_pixels_goes_on_as_it_was_interrupted(square: Layout) -> None:
     settings, brush, style = options(strokes=40, steps=100), nominal("round"), load_style("free", square.canvas)
     problem = problem_of(square, (brush,), style, settings, LossOptions())
     states: list[State] = []

@@ -96,6 +96,7 @@ def planned(mural: Mural, round_brush: Brush, steps: list[PlanProgress], rendere
         patch.setattr(stroke_canvas, "composite", render)
         patch.setattr(stroke_effects, "composite", render)
         patch.setattr(drawn_pixels, "_LARGE", 40)  # as windows of real murals are
+        patch.setattr(drawn_pixels, "_FEWEST", 4)  # which are drawn coarsely at first
         return planned_as(FINE, mural, round_brush, watch)
 
 

@@ -18,21 +18,22 @@ FINE = 1 / 3
 """Side of fine pixels, in those of the canvas: halves still say up to 0.4 dB too much, quarters take longer."""
 
 _APART = 3  # coarse pixels between strokes: with two, details come too late to be found
-_LARGE = 512  # pixels of a canvas' shorter side, from which on coarse pixels pay, and fine ones show nothing more
+_FEWEST = 100  # coarse pixels over a canvas' shorter side, at least: with fewer, small things are lost for good
+_LARGE = 512  # pixels of a canvas' shorter side, from which on fine pixels show nothing more
 _MISJUDGED = 10**0.02  # ratio of squared differences, 0.2 dB, from which on a canvas is to be drawn on fine pixels
 
 
 def coarsest(problem: PlanningProblem, options: PlannerSettings, spacing: float) -> int:
     """Return the side of the squares that are drawn as one at first, in pixels; spacing: metres between strokes.
 
-    No square is broader than the broadest mark. On small canvases it is 1, and for what squares spoil: greys of one
+    No square is broader than the broadest mark, and small canvases have none. Nor has what they spoil: greys of one
     ink, which are made of lines, edges, and what networks see.
     """
     sees_edges = any(isinstance(each.term, Edges) for each in problem.objectives)
-    if not _is_large(problem.paper) or options.in_ink or problem.network_losses or sees_edges:
+    if options.in_ink or problem.network_losses or sees_edges:
         return 1
-    side = min(spacing / _APART, 2 * problem.brushes[0].widest)
-    return max(1, round(side * problem.canvas.pixels_per_metre))
+    side = min(spacing / _APART, 2 * problem.brushes[0].widest) * problem.canvas.pixels_per_metre
+    return max(1, min(round(side), min(problem.paper.shape[1:]) // _FEWEST))
 
 
 @torch.no_grad()
@@ -42,7 +43,7 @@ def finest(target: Tensor | None, rendered: Callable[[float], Tensor]) -> float:
     target: (C, H, W), if there is one.  rendered: the canvas (C, H, W) as it is now, drawn on pixels of a side; large
     ones are not asked for.
     """
-    if target is None or _is_large(target):
+    if target is None or min(target.shape[1:]) >= _LARGE:
         return 1
     seen, true = ((rendered(side) - target).square().mean().item() for side in (1, FINE))
     return FINE if max(seen, true) > _MISJUDGED * min(seen, true) else 1
@@ -86,7 +87,3 @@ class _Squares(torch.autograd.Function):
     @staticmethod
     def backward(ctx: Any, *slopes: Tensor) -> tuple[Tensor, None, None, None]:
         return avg_pool2d(slopes[0], ctx.side, ceil_mode=True, divisor_override=1), None, None, None
-
-
-def _is_large(image: Tensor) -> bool:
-    return min(image.shape[1:]) >= _LARGE
