@@ -44,6 +44,7 @@ _DEFAULT_LOSSES = LossOptions()
 _CPU = torch.device("cpu")
 _REACH_SAMPLES = 256  # strokes of the style whose reach sets the margin of windows: enough for its quantile
 _REACH_QUANTILE = 0.95  # of these strokes, the margin holds so many: the few longest would widen every window
+_LARGEST_WINDOW = 8192**2  # pixels, margins among them: an image of so many is 0.8 GB, and planning has several
 _SLACK = 1e-6  # metres: rounding by which a stroke that was kept inside a sheet may end beyond its edge
 
 
@@ -71,8 +72,8 @@ def plan_mural(
     resume: what `PlanProgress.state` returned in an earlier run of the same mural; planning goes on from there.
     device: renders, and compares with the picture.  tones: those of inks that the whole is planned in, if any.
     plan_windows: plans the windows of a round; the result does not depend on how.
-    Raises InputError for a text, since every window would be made to show it, for a side below one pixel, and for a
-    state of another plan.
+    Raises InputError for a text, since every window would be made to show it, for a side below one pixel, for strokes
+    that reach so far that a window would be too large, and for a state of another plan.
     """
     if "text" in loss_options.weights_of_terms(has_picture=True):
         raise InputError("a text is about a whole picture, and a mural is planned in windows; leave the text out")
@@ -102,6 +103,11 @@ class _Planning:
         self._whole = mural.overview(window_px)
         self._importance = importance_of(self._whole, planner.loss_options.faces)
         self._windows = Windows.of(mural.canvas, window_px, _margin(mural, planner, options))
+        if (largest := self._windows.largest) > _LARGEST_WINDOW:
+            raise InputError(
+                f"strokes of this mural reach so far that a window would have {largest / 1e6:,.0f} million pixels, and "
+                f"at most {_LARGEST_WINDOW / 1e6:.0f} fit in memory; take more strokes, fewer pixels, or a smaller hand"
+            )
         self._progress = MuralProgress(len(self._windows), watch, resume)
         self.rounds = self._windows.rounds()
 

@@ -135,6 +135,12 @@ class Windows:
             min(int(self.rows[row + 1]) + self.margin, int(self.rows[-1])),
         )
 
+    @property
+    def largest(self) -> int:
+        """Pixels of the largest box."""
+        boxes = [self.box(index) for index in range(len(self))]
+        return max((right - left) * (bottom - top) for left, top, right, bottom in boxes)
+
     def rounds(self) -> list[list[int]]:
         """Return the windows in rounds that follow one another; between any two boxes of a round lies a pixel or more.
 
