@@ -492,6 +492,24 @@ def test_a_machine_that_cannot_move_along_an_axis_says_which_setting_to_mend(num
         entered(Grbl(device.port))
 
 
+@pytest.mark.parametrize("number", [112, 122, 132])
+def test_a_servo_needs_no_height_that_the_machine_could_move_to(number: int) -> None:
+    with FakeGrbl(settings={**SETTINGS, number: 0}) as device, Grbl(device.port, SERVO) as robot:
+        draw_a_circle(robot)
+        assert device.servo == SERVO.up
+        assert device.place == pytest.approx((*1e3 * CIRCLE[-1, :2], 0), abs=1e3 * GCODE_METRES)
+
+
+@pytest.mark.parametrize("reports", [0, 1])
+def test_a_machine_with_more_than_three_axes_is_driven_along_the_first_three(reports: int) -> None:
+    more, origin = (7.0, -90.0), (10.0, 20.0, 1.0)
+    with FakeGrbl(settings={**SETTINGS, 10: reports}, origin=origin, more_axes=more) as device:
+        with Grbl(device.port) as robot:
+            assert robot.place == pytest.approx((-0.01, -0.02, 0.005))
+            path = draw_a_circle(robot)
+        assert device.place[:2] == pytest.approx(1e3 * path[-1, :2] + origin[:2], abs=1e-9)
+
+
 @pytest.mark.parametrize("kind", ["Grbl 0.9j", "Grbl 3.7", "GrblHAL 1.1f"])
 def test_another_grbl_is_refused_by_its_name(kind: str) -> None:
     sentence = rf"is a {re.escape(kind)}; it must be a Grbl 1\.1, or be given a file"

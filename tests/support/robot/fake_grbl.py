@@ -53,6 +53,7 @@ class FakeGrbl:
     A fault is an answer like error:20 or ALARM:1, or `silent`, `closed`, `noise`, `lost` (an ok), `door`.
     delay: seconds of the wall that every answer is late.  lost_reports: the first so many come with noise.
     homing: seconds of the wall that finding home takes, in which nothing but a reset is heard.
+    more_axes: places of further axes than x, y and z, which it tells after theirs.
     """
 
     settings: dict[int, float] = field(default_factory=lambda: dict(SETTINGS))
@@ -67,6 +68,7 @@ class FakeGrbl:
     banner: str = "Grbl 1.1h ['$' for help]"
     locked: bool = False
     homing: float = 0.0
+    more_axes: tuple[float, ...] = ()
 
     lines: list[str] = field(default_factory=list)
     seconds: float = 0.0  # of its own time while it was not idle
@@ -206,7 +208,7 @@ class FakeGrbl:
     def _report(self) -> None:
         of_machine = int(self.settings[10]) & 1
         tip = zip(self._motion.place, (0.0, 0.0, 0.0) if of_machine else self._offset, strict=True)
-        place = ",".join(f"{value - offset:.3f}" for value, offset in tip)
+        place = ",".join(f"{value:.3f}" for value in (*(value - offset for value, offset in tip), *self.more_axes))
         kind = "M" if of_machine else "W"
         report = f"<{self._state}|{kind}Pos:{place}|FS:0,{self.servo:.0f}|Ov:{self.override},100,100>"
         if self.lost_reports > 0:
@@ -318,7 +320,8 @@ class FakeGrbl:
         elif line == "$#":
             nowhere = (0.0, 0.0, 0.0)
             for name, place in {"G54": self.origin, "G55": nowhere, "G28": nowhere, "G92": self.shift}.items():
-                self._tell("[{}:{:.3f},{:.3f},{:.3f}]".format(name, *place))
+                told = ",".join(f"{value:.3f}" for value in (*place, *self.more_axes))
+                self._tell(f"[{name}:{told}]")
             self._tell("[TLO:0.000]")
         elif line == "$I":
             self._tell("[VER:1.1h.20190830:]")

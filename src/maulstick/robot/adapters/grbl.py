@@ -244,7 +244,7 @@ class Grbl(KeepsOrigin, LetsGo, LocksItself, HasServo, OverridesSpeed):
         """
         if settings[13]:
             raise MachineError(f"the Grbl on {self._port} reports in inches; send $13=0, then start again")
-        for (first, what, unit), (axis, name) in product(MOVES, enumerate("xyz")):
+        for (first, what, unit), (axis, name) in product(MOVES, enumerate("xyz" if self._pen is None else "xy")):
             if settings[first + axis] <= 0:
                 setting = f"${first + axis}"
                 fault = f"the Grbl on {self._port} has no {what} along {name} ({setting}={settings[first + axis]:g})"
