@@ -224,6 +224,29 @@ def test_a_fault_within_a_stroke_is_one_sentence_and_lifts_the_pen(fault: str, p
             draw_a_circle(robot)
 
 
+@pytest.mark.parametrize("paper", [-10.0, 0.0, 10.0])
+def test_a_machine_that_has_restarted_in_a_stroke_is_lifted_from_where_its_tip_then_was(paper: float) -> None:
+    start = (50.0, 50.0, paper + 5)
+    with FakeGrbl(origin=(0.0, 0.0, paper), start=start, faults={25: "restart"}) as device:
+        with Grbl(device.port) as robot:
+            robot.move(ABOVE)
+            with pytest.raises(MachineError, match="started again by itself"):
+                robot.stroke(CIRCLE, SPEED)
+        assert robot.lifted
+        assert device.woke_at[2] < paper, "the tip was on the paper"
+        assert device.place[2] >= 1e3 * ABOVE[2]
+
+
+def test_a_machine_that_has_restarted_and_does_not_rise_says_so_and_stays_locked() -> None:
+    with FakeGrbl(**WITH_SWITCHES, faults={25: "restart"}) as device:
+        with Grbl(device.port) as robot:
+            robot.move(ABOVE)
+            with pytest.raises(MachineError, match=r"started again by itself; .* home it"):
+                robot.stroke(CIRCLE, SPEED)
+        assert not robot.lifted
+        assert device.state == "Alarm"
+
+
 @pytest.mark.parametrize("fault", ["silent", "closed"])
 def test_a_line_that_breaks_says_how_to_go_on(fault: str) -> None:
     with FakeGrbl(faults={25: fault}) as device, Grbl(device.port, SERVO, patience=QUICK) as robot:

@@ -50,7 +50,8 @@ class FakeGrbl:
 
     faults[n] happens instead of the answer to the n-th line of G-code, counted from 0.
 
-    A fault is an answer like error:20 or ALARM:1, or `silent`, `closed`, `noise`, `lost` (an ok), `door`.
+    A fault is an answer like error:20 or ALARM:1, or `silent`, `closed`, `noise`, `lost` (an ok), `door`,
+    `restart` (of the board: it counts its place from where it stands, and is locked where it has switches).
     delay: seconds of the wall that every answer is late.  lost_reports: the first so many come with noise.
     homing: seconds of the wall that finding home takes, in which nothing but a reset is heard.
     more_axes: places of further axes than x, y and z, which it tells after theirs.
@@ -78,6 +79,7 @@ class FakeGrbl:
     override: int = 100  # per cent of the feed of motions that are planned from now on
     overrides: list[bytes] = field(default_factory=list)
     holds: int = 0
+    woke_at: Vector = (0.0, 0.0, 0.0)  # from where it has counted its place since it restarted
 
     def __enter__(self) -> Self:
         self._master, self._slave = pty.openpty()
@@ -297,6 +299,12 @@ class FakeGrbl:
             self._tell("\xff\x03o\xf8k")
         elif fault == "door":
             self._state = "Door:0"
+        elif fault == "restart":
+            x, y, z = (woke + counted for woke, counted in zip(self.woke_at, self._motion.place, strict=True))
+            self.woke_at, self._motion.place = (x, y, z), (0.0, 0.0, 0.0)
+            self._forget()
+            self._state, self._unread, self.servo = "Alarm" if self.settings[22] else "Idle", b"", 0.0
+            self._tell("\xfe" + self.banner)
         elif fault.startswith("ALARM"):
             self._forget()
             self._state = "Alarm"
