@@ -1,6 +1,5 @@
 """Journals of a painting's sheets: a new one, and room for it."""
 
-import os
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -57,7 +56,7 @@ def new_journal(painting: Path, sheet: int) -> Iterator[Journal]:
 def _has_copies(painting: Path) -> bool:
     """Return whether there are journals of further copies, which would count as those of a run that begins now."""
     of_a_copy = re.compile(rf"{re.escape(painting.stem)}\.{_OF_A_COPY}")
-    return any(of_a_copy.fullmatch(name) for name in os.listdir(painting.parent))
+    return any(of_a_copy.fullmatch(each.name) for each in painting.parent.glob("*.log.jsonl"))
 
 
 def _make_room(path: Path, stem: str) -> None:
