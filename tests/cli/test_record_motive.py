@@ -109,6 +109,12 @@ def test_the_corner_is_where_it_is_said_to_be(record: Path) -> None:
     assert turned.samples[:, 1:3] == pytest.approx(np.array(ink.size) - ink.samples[:, 1:3], abs=1e-9)
 
 
+def test_an_axis_beside_a_pivot_take_is_not_passed_over(record: Path) -> None:
+    ran = run("record", "motive", record, "--pivot", record.with_name("pivot.csv"), "--pen-axis", "x")
+    assert ran.code == 2
+    assert ran.mistake == "a pivot take tells the pen's axis, too; leave out --pen-axis"
+
+
 @pytest.mark.parametrize("there", ["cat.ink.npz", "cat.contact.png"])
 def test_what_is_there_is_replaced_only_when_told_to(record: Path, there: str) -> None:
     Path(there).write_bytes(b"before")

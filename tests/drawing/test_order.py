@@ -40,6 +40,13 @@ def test_a_line_goes_on_with_the_nearest_end() -> None:
     assert [len(each) for each in joined([first, far, near], GAP)] == [4, 2]
 
 
+def test_lines_that_meet_in_one_place_are_joined_two_by_two_in_their_order() -> None:
+    many = 20_000  # which take seconds, and not half a minute, since each looks at one end there
+    found = joined([line((0, 0), (1, number)) for number in range(many)], GAP)
+    ends = [[[1, number + 1], [0, 0], [1, number]] for number in range(0, many, 2)]
+    assert [each[:: 1 if each[0, 1] > each[-1, 1] else -1].tolist() for each in found] == ends
+
+
 def test_closed_lines_and_dots_stay_alone_and_each_line_keeps_its_place() -> None:
     ring, dot, ends = line((1, 0), (2, 0), (2, 1), (1, 0)), line((1, 0), (1, 0)), [line((0, 0), (1, 0))]
     found = joined([ring, *ends, dot, line((1, 0), (5, 5))], GAP)

@@ -224,6 +224,29 @@ def test_a_fault_within_a_stroke_is_one_sentence_and_lifts_the_pen(fault: str, p
             draw_a_circle(robot)
 
 
+@pytest.mark.parametrize("paper", [-10.0, 0.0, 10.0])
+def test_a_machine_that_has_restarted_in_a_stroke_is_lifted_from_where_its_tip_then_was(paper: float) -> None:
+    start = (50.0, 50.0, paper + 5)
+    with FakeGrbl(origin=(0.0, 0.0, paper), start=start, faults={25: "restart"}) as device:
+        with Grbl(device.port) as robot:
+            robot.move(ABOVE)
+            with pytest.raises(MachineError, match="started again by itself"):
+                robot.stroke(CIRCLE, SPEED)
+        assert robot.lifted
+        assert device.woke_at[2] < paper, "the tip was on the paper"
+        assert device.place[2] >= 1e3 * ABOVE[2]
+
+
+def test_a_machine_that_has_restarted_and_does_not_rise_says_so_and_stays_locked() -> None:
+    with FakeGrbl(**WITH_SWITCHES, faults={25: "restart"}) as device:
+        with Grbl(device.port) as robot:
+            robot.move(ABOVE)
+            with pytest.raises(MachineError, match=r"started again by itself; .* home it"):
+                robot.stroke(CIRCLE, SPEED)
+        assert not robot.lifted
+        assert device.state == "Alarm"
+
+
 @pytest.mark.parametrize("fault", ["silent", "closed"])
 def test_a_line_that_breaks_says_how_to_go_on(fault: str) -> None:
     with FakeGrbl(faults={25: fault}) as device, Grbl(device.port, SERVO, patience=QUICK) as robot:
@@ -490,6 +513,24 @@ def test_a_machine_that_cannot_move_along_an_axis_says_which_setting_to_mend(num
     sentence = rf"^the Grbl on \S+ has no {told}$"
     with FakeGrbl(settings={**SETTINGS, number: 0}) as device, pytest.raises(InputError, match=sentence):
         entered(Grbl(device.port))
+
+
+@pytest.mark.parametrize("number", [112, 122, 132])
+def test_a_servo_needs_no_height_that_the_machine_could_move_to(number: int) -> None:
+    with FakeGrbl(settings={**SETTINGS, number: 0}) as device, Grbl(device.port, SERVO) as robot:
+        draw_a_circle(robot)
+        assert device.servo == SERVO.up
+        assert device.place == pytest.approx((*1e3 * CIRCLE[-1, :2], 0), abs=1e3 * GCODE_METRES)
+
+
+@pytest.mark.parametrize("reports", [0, 1])
+def test_a_machine_with_more_than_three_axes_is_driven_along_the_first_three(reports: int) -> None:
+    more, origin = (7.0, -90.0), (10.0, 20.0, 1.0)
+    with FakeGrbl(settings={**SETTINGS, 10: reports}, origin=origin, more_axes=more) as device:
+        with Grbl(device.port) as robot:
+            assert robot.place == pytest.approx((-0.01, -0.02, 0.005))
+            path = draw_a_circle(robot)
+        assert device.place[:2] == pytest.approx(1e3 * path[-1, :2] + origin[:2], abs=1e-9)
 
 
 @pytest.mark.parametrize("kind", ["Grbl 0.9j", "Grbl 3.7", "GrblHAL 1.1f"])

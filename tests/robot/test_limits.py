@@ -100,6 +100,12 @@ def test_narrowed_limits_are_the_stricter_ones_in_everything() -> None:
     assert (narrow.varies_pressure, narrow.lifting) == (False, 0.3)
 
 
+def test_limits_that_do_not_say_how_corners_are_passed_leave_that_to_the_machine() -> None:
+    machine, wider, tighter = (LIMITS.model_copy(update={"deviation": each}) for each in (1e-4, 1e-3, 1e-5))
+    assert [machine.narrowed(each).deviation for each in (LIMITS, wider, tighter)] == [1e-4, 1e-4, 1e-5]
+    assert LIMITS.narrowed(LIMITS).deviation is None
+
+
 def test_limits_with_no_place_in_common_are_refused_in_a_sentence() -> None:
     elsewhere = LIMITS.model_copy(update={"lower": (0.3, -0.2, 0.0), "upper": (0.5, 0.0, 0.1)})
     with pytest.raises(InputError, match=r"have no place in common; mend the limits in the easel's file$"):

@@ -149,7 +149,7 @@ def test_stop_from_another_thread_brakes_lifts_and_sends_nothing_more(api: type[
 @pytest.mark.parametrize(
     ("code", "error", "sentence"),
     [
-        (1, 31, "the xArm stopped with error 31, Collision"),
+        (1, 24, "the xArm stopped with error 24, Speed"),
         (9, 0, "the xArm refuses: it is not ready to move; it was stopped from elsewhere"),
         (-1, 0, "the xArm refuses: it is not connected; check the cable"),
         (77, 0, "the SDK returned code 77"),
@@ -163,6 +163,21 @@ def test_a_code_becomes_a_sentence_of_one_line(api: type[FakeXArmAPI], code: int
         assert sentence in str(failed.value)
         assert "\n" not in str(failed.value)
         assert api.latest.error == 0, "it recovered"
+
+
+def test_an_arm_that_has_hit_something_moves_no_more_until_a_person_has_cleared_that(
+    api: type[FakeXArmAPI], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with XArm("192.168.1.2") as robot:
+        api.latest.codes, api.latest.error = [0, 0, 1], 31
+        with pytest.raises(MachineError, match="the xArm stopped with error 31, Collision"):
+            robot.move(START)
+        sent = len(api.latest.sent)
+    assert (len(api.latest.sent), api.latest.error, robot.lifted) == (sent, 31, False)
+    monkeypatch.setattr(api, "get_err_warn_code", lambda self: (0, [31, 0]))
+    with pytest.raises(MachineError, match="see that it is free, clear the error at the arm, and start again"):
+        XArm("192.168.1.2").__enter__()
+    assert api.latest.sent == []
 
 
 def test_a_pressed_emergency_stop_is_named_before_anything_moves(

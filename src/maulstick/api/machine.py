@@ -1,6 +1,5 @@
 """Letting a machine paint, from Python."""
 
-import signal
 import threading
 from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
@@ -79,7 +78,7 @@ def paint(
 
     Raises InputError before anything moves, where the painting does not fit the machine, or options do not go
     together, and on the way where there is no terminal to ask on; MachineError where the machine fails, StoppedError
-    and KeyboardInterrupt where it was stopped; its pen is then lifted.
+    and KeyboardInterrupt where it was stopped, by Ctrl-C, a kill or a closed terminal; its pen is then lifted.
 
         >>> paint(painting, robot="sim").photograph.mode
         'RGB'
@@ -150,7 +149,7 @@ def _ask_on_the_terminal(message: str) -> None:
 
 @final
 class _Callbacks(Operator):
-    """An operator who is told and asked by functions. Ctrl-C stops the machine."""
+    """An operator who is told and asked by functions. Ctrl-C, a kill and a closed terminal stop the machine."""
 
     def __init__(
         self,
@@ -173,11 +172,8 @@ class _Callbacks(Operator):
         if threading.current_thread() is not threading.main_thread():  # only there can signals be heard
             yield
             return
-        before = signal.signal(signal.SIGINT, self.interrupt)
-        try:
+        with self.stopped_by_signals():
             yield
-        finally:
-            signal.signal(signal.SIGINT, before)
 
     def watch(self, progress: PaintProgress) -> None:
         """As in `Operator`."""

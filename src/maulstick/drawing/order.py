@@ -11,6 +11,7 @@ from maulstick.ordering.tour import tour
 from maulstick.storage.arrays import Bools, Floats
 
 _ALIKE = 1e-5  # metres: lines that differ by less at each point are the same
+_NONE = -1  # instead of the number of an end
 _BETWEEN = 0.25  # of that: files end in tenths of it, which then never lie where rounding may go either way
 
 
@@ -40,31 +41,64 @@ def joined(lines: Sequence[Floats], gap: float) -> list[Floats]:
     A line goes on with the one whose end is nearest, turned where it has to be, from its last point on and then from
     its first. Closed ones stay alone.
     """
-    ends = np.array([line[[0, -1]] for line in lines]).reshape(-1, 2)  # of line i the rows 2 i and 2 i + 1
-    tree, found = cKDTree(ends), list[Floats]()
+    ends = np.array([line[[0, -1]] for line in lines]).reshape(-1, 2)
     is_open = np.hypot(*(ends[1::2] - ends[::2]).T) > _ALIKE
-    free, left = np.repeat(is_open, 2), np.ones(len(lines), dtype=np.bool_)
+    free, left, found = _FreeEnds(ends, is_open), np.ones(len(lines), dtype=np.bool_), list[Floats]()
     for first, line in enumerate(lines):
         if not left[first]:
             continue
         parts = deque([line])
-        free[2 * first : 2 * first + 2] = False
+        free.take(first)
         for end in (2 * first + 1, 2 * first) if is_open[first] else ():
             at_last = bool(end % 2)
-            while (near := _nearest(tree, end, free, gap)) is not None:
+            while (near := free.nearest(end, gap)) is not None:
                 row, end = near // 2, near ^ 1
-                free[2 * row : 2 * row + 2] = left[row] = False
+                free.take(row)
+                left[row] = False
                 forward = lines[row] if bool(near % 2) != at_last else lines[row][::-1]
                 (parts.append if at_last else parts.appendleft)(forward)
         found.append(line if len(parts) == 1 else _in_one(parts))
     return found
 
 
-def _nearest(tree: cKDTree, end: int, free: Bools, gap: float) -> int | None:
-    """Return which of the ends in the tree that are free is nearest to one of them; None for none within the gap."""
-    near = np.sort(tree.query_ball_point(tree.data[end], gap)).astype(np.int64)
-    near = near[free[near]]
-    return int(near[np.hypot(*(tree.data[near] - tree.data[end]).T).argmin()]) if len(near) else None
+class _FreeEnds:
+    """Ends of lines to which nothing is joined yet: of line i those of number 2 i and 2 i + 1.
+
+    They are kept by place, since thousands of lines may meet in one.
+    ends: (2 n, 2) metres.  is_open: (n,) whether a line can be joined to others.
+    """
+
+    def __init__(self, ends: Floats, is_open: Bools) -> None:
+        places, place_of = np.unique(ends, axis=0, return_inverse=True)
+        self._tree, self._place_of = cKDTree(places), place_of.reshape(-1)
+        self._free = np.repeat(is_open, 2)
+        self._at = [deque[int]() for _ in places]
+        for end, place in enumerate(self._place_of.tolist()):
+            self._at[place].append(end)
+        self._first = np.full(len(places), _NONE)
+        for place in range(len(places)):
+            self._look_at(place)
+
+    def take(self, line: int) -> None:
+        """Count both ends of a line as joined."""
+        self._free[2 * line : 2 * line + 2] = False
+        for place in self._place_of[2 * line : 2 * line + 2].tolist():
+            self._look_at(place)
+
+    def nearest(self, end: int, gap: float) -> int | None:
+        """Return the free end that is nearest to an end, of several the first; None where none is within the gap."""
+        places = self._tree.data
+        here = places[self._place_of[end]]
+        near = np.array(self._tree.query_ball_point(here, gap), dtype=np.int64)
+        near = near[self._first[near] != _NONE]
+        near = near[np.argsort(self._first[near])]
+        return int(self._first[near[np.hypot(*(places[near] - here).T).argmin()]]) if len(near) else None
+
+    def _look_at(self, place: int) -> None:
+        ends = self._at[place]
+        while ends and not self._free[ends[0]]:
+            ends.popleft()
+        self._first[place] = ends[0] if ends else _NONE
 
 
 def _in_one(parts: Iterable[Floats]) -> Floats:

@@ -24,7 +24,8 @@ class Limits(BaseModel):
     lower, upper: corners (x, y, z) of the workspace.
     speed: highest speed of the tip.  climb: highest speed of its height.  acceleration: highest acceleration of either.
     axes: highest accelerations of x, y and z, where each axis has a limit of its own, as Grbl's do.
-    deviation: distance from a corner at which the tip may pass without stopping (Grbl's junction deviation); 0 stops.
+    deviation: distance from a corner at which the tip may pass without stopping (Grbl's junction deviation); 0 stops,
+    and so does None, unless these limits narrow others that say it.
     varies_pressure: whether it can vary the height within a stroke; if not, it only lifts its pen and lowers it.
     lifting: seconds for lifting or lowering, beside what the height takes.
     settling: seconds from the end of a motion until the machine says so, and takes the next one.
@@ -40,7 +41,7 @@ class Limits(BaseModel):
     climb: _Above
     acceleration: _Above
     axes: tuple[_Above, _Above, _Above] | None = None
-    deviation: Annotated[float, Field(ge=0, allow_inf_nan=False)] = 0.0
+    deviation: Annotated[float, Field(ge=0, allow_inf_nan=False)] | None = None
     varies_pressure: bool
     lifting: Annotated[float, Field(ge=0, allow_inf_nan=False)] = 0.0
     settling: Annotated[float, Field(ge=0, allow_inf_nan=False)] = 0.0
@@ -111,7 +112,7 @@ class Limits(BaseModel):
             climb=min(self.climb, other.climb),
             acceleration=min(self.acceleration, other.acceleration),
             axes=None if self.axes is other.axes is None else tuple(np.minimum(self._gains, other._gains).tolist()),
-            deviation=min(self.deviation, other.deviation),
+            deviation=min((each for each in (self.deviation, other.deviation) if each is not None), default=None),
             varies_pressure=self.varies_pressure and other.varies_pressure,
             lifting=max(self.lifting, other.lifting),
             settling=max(self.settling, other.settling),

@@ -135,7 +135,7 @@ def _corner_speeds(steps: Floats, lengths: Floats, limits: Limits) -> Floats:
     units = (steps / np.maximum(lengths, _STRAIGHT)[:, None])[before]
     half_sine = np.sqrt((1 + (units[:-1] * units[1:]).sum(axis=1)).clip(0, 2) / 2)  # sin(θ/2) of the angle between
     fast = half_sine > 1 - 1e-9
-    radius = limits.deviation * half_sine / np.where(fast, 1.0, 1 - half_sine)
+    radius = (limits.deviation or 0.0) * half_sine / np.where(fast, 1.0, 1 - half_sine)
     inwards = units[1:] - units[:-1]
     inwards /= np.maximum(np.sqrt((inwards**2).sum(axis=1)), _STRAIGHT)[:, None]
     speeds = np.where(fast, np.inf, np.sqrt(limits.acceleration_along(inwards) * radius))

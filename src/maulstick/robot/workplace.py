@@ -67,8 +67,10 @@ class Workplace:
         robot = self.robot
         if not (is_away(robot) or (goes_on and robot.counts_steps)):
             return []
-        x, y, _ = self.easel.machine_to_canvas(robot.place).tolist()
+        x, y, z = self.easel.machine_to_canvas(robot.place).tolist()
         stands = f"{1e3 * x:.0f} mm from the left and {1e3 * y:.0f} mm from the upper edge of the sheet"
+        if robot.limits.varies_pressure:  # it counts its height, too
+            stands += f", and {1e3 * z:.0f} mm above it"
         remedy = Remedy.FIND_HOME if robot.home is None else Remedy.PUT_HOME  # no home: it finds that by switches
         return [Prompt(f"see that the pen stands {stands}", paint, renews=False, elsewhere=remedy)]
 

@@ -217,13 +217,14 @@ def test_a_machine_that_counts_its_steps_asks_where_its_pen_stands_before_it_goe
     easel = calibrated.with_name("easel.json")
     deep = Easel(corner=(0, SIX.sheet.height, 0), right=(1, 0, 0), down=(0, -1, 0), deepest=2e-3)
     easel.write_text(deep.model_dump_json())
-    asked = "see that the pen stands 0 mm from the left and {:.0f} mm from the upper edge of the sheet (elsewhere: "
+    stands = "0 mm from the left and {:.0f} mm from the upper edge of the sheet, and 10 mm above it"
+    asked = f"see that the pen stands {stands} (elsewhere: "
     answers(monkeypatch, "\n" * 9)
     with FakeGrbl(faults={60: "ALARM:1"}) as device:
         ran = run("paint", calibrated, "--robot", f"grbl:{device.port}", "--speed", "20", "--easel", easel)
         assert "a limit switch was hit and its position is lost" in ran.stderr
         assert "see that the pen stands" not in ran.stderr
-    with FakeGrbl() as restarted:
+    with FakeGrbl(origin=(0.0, 0.0, -10.0)) as restarted:
         robot = f"grbl:{restarted.port}"
         ran = run("paint", calibrated, "--resume", "--unfinished", "again", "--robot", robot)
     assert ran.code == 0, ran.stderr

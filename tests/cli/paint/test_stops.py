@@ -267,6 +267,21 @@ def test_a_grbl_that_is_stopped_while_it_waits_is_left_idle(penned: Path, monkey
     assert painted_by(penned, 1) == {1, 2}
 
 
+def test_a_copy_of_an_earlier_run_whose_first_journal_is_gone_is_not_one_of_the_next_run(
+    ten: Path, recorder: Recorder, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("sys.stdin", Person(lambda asked: None))
+    assert run("paint", ten, *GRBL, "--copies", "2").code == 0
+    journal_of(ten).unlink()
+    answers(monkeypatch, "s\n")
+    assert run("paint", ten, *GRBL, "--pause-at", "4").code == 130
+    monkeypatch.setattr("sys.stdin", Person(lambda asked: None))
+    assert run("paint", ten, "--resume").code == 0
+    assert sorted(painted(ten)) == list(range(1, 11))
+    assert not journal_of(ten, 2).exists()
+    assert (ten.parent / "ten.run1" / "ten.copy2.log.jsonl").exists()
+
+
 @pytest.mark.parametrize(("at", "strokes", "copies"), [(1, 10, 2), (2, 20, 3)])
 def test_a_run_that_was_stopped_goes_on_in_the_right_copy(
     ten: Path, recorder: Recorder, monkeypatch: pytest.MonkeyPatch, at: int, strokes: int, copies: int

@@ -50,9 +50,11 @@ class FakeGrbl:
 
     faults[n] happens instead of the answer to the n-th line of G-code, counted from 0.
 
-    A fault is an answer like error:20 or ALARM:1, or `silent`, `closed`, `noise`, `lost` (an ok), `door`.
+    A fault is an answer like error:20 or ALARM:1, or `silent`, `closed`, `noise`, `lost` (an ok), `door`,
+    `restart` (of the board: it counts its place from where it stands, and is locked where it has switches).
     delay: seconds of the wall that every answer is late.  lost_reports: the first so many come with noise.
     homing: seconds of the wall that finding home takes, in which nothing but a reset is heard.
+    more_axes: places of further axes than x, y and z, which it tells after theirs.
     """
 
     settings: dict[int, float] = field(default_factory=lambda: dict(SETTINGS))
@@ -67,6 +69,7 @@ class FakeGrbl:
     banner: str = "Grbl 1.1h ['$' for help]"
     locked: bool = False
     homing: float = 0.0
+    more_axes: tuple[float, ...] = ()
 
     lines: list[str] = field(default_factory=list)
     seconds: float = 0.0  # of its own time while it was not idle
@@ -76,6 +79,7 @@ class FakeGrbl:
     override: int = 100  # per cent of the feed of motions that are planned from now on
     overrides: list[bytes] = field(default_factory=list)
     holds: int = 0
+    woke_at: Vector = (0.0, 0.0, 0.0)  # from where it has counted its place since it restarted
 
     def __enter__(self) -> Self:
         self._master, self._slave = pty.openpty()
@@ -206,7 +210,7 @@ class FakeGrbl:
     def _report(self) -> None:
         of_machine = int(self.settings[10]) & 1
         tip = zip(self._motion.place, (0.0, 0.0, 0.0) if of_machine else self._offset, strict=True)
-        place = ",".join(f"{value - offset:.3f}" for value, offset in tip)
+        place = ",".join(f"{value:.3f}" for value in (*(value - offset for value, offset in tip), *self.more_axes))
         kind = "M" if of_machine else "W"
         report = f"<{self._state}|{kind}Pos:{place}|FS:0,{self.servo:.0f}|Ov:{self.override},100,100>"
         if self.lost_reports > 0:
@@ -295,6 +299,12 @@ class FakeGrbl:
             self._tell("\xff\x03o\xf8k")
         elif fault == "door":
             self._state = "Door:0"
+        elif fault == "restart":
+            x, y, z = (woke + counted for woke, counted in zip(self.woke_at, self._motion.place, strict=True))
+            self.woke_at, self._motion.place = (x, y, z), (0.0, 0.0, 0.0)
+            self._forget()
+            self._state, self._unread, self.servo = "Alarm" if self.settings[22] else "Idle", b"", 0.0
+            self._tell("\xfe" + self.banner)
         elif fault.startswith("ALARM"):
             self._forget()
             self._state = "Alarm"
@@ -318,7 +328,8 @@ class FakeGrbl:
         elif line == "$#":
             nowhere = (0.0, 0.0, 0.0)
             for name, place in {"G54": self.origin, "G55": nowhere, "G28": nowhere, "G92": self.shift}.items():
-                self._tell("[{}:{:.3f},{:.3f},{:.3f}]".format(name, *place))
+                told = ",".join(f"{value:.3f}" for value in (*place, *self.more_axes))
+                self._tell(f"[{name}:{told}]")
             self._tell("[TLO:0.000]")
         elif line == "$I":
             self._tell("[VER:1.1h.20190830:]")

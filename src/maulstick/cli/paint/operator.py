@@ -67,24 +67,19 @@ class TerminalOperator(Operator):
         """
         over = threading.Event()
         keys = threading.Thread(target=self._listen, args=(over,), daemon=True)
-        stopping = [signal.SIGINT, signal.SIGTERM, signal.SIGHUP]
-        if signal.getsignal(signal.SIGHUP) == signal.SIG_IGN:  # nohup: it is to go on where its terminal is closed
-            stopping.remove(signal.SIGHUP)
-        before = {number: signal.signal(number, self.interrupt) for number in stopping}
-        keys.start()
-        try:
-            with self._bars:
-                yield
-        except (MaulstickError, KeyboardInterrupt) as error:
-            self.say(f"{stopped(self.robot)}; {self._what_next}")
-            if isinstance(error, StoppedError | KeyboardInterrupt) and self.stopped:
-                raise Exit(STOPPED) from None
-            raise
-        finally:
-            over.set()
-            keys.join()
-            for number, handler in before.items():
-                signal.signal(number, handler)
+        with self.stopped_by_signals():
+            keys.start()
+            try:
+                with self._bars:
+                    yield
+            except (MaulstickError, KeyboardInterrupt) as error:
+                self.say(f"{stopped(self.robot)}; {self._what_next}")
+                if isinstance(error, StoppedError | KeyboardInterrupt) and self.stopped:
+                    raise Exit(STOPPED) from None
+                raise
+            finally:
+                over.set()
+                keys.join()
 
     def watch(self, progress: PaintProgress) -> None:
         """As in `Operator`."""

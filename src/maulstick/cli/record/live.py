@@ -46,7 +46,7 @@ def live(
         float | None, _recording(metavar="N", show_default="until Ctrl-C", help="Seconds to record.")
     ] = None,
     pen_length: options.PenLength = None,
-    pen_axis: options.PenAxis = "-y",
+    pen_axis: options.PenAxis = None,
     pivot: options.PivotTake = None,
     pen: options.Pen = None,
     sheet: options.Board = None,

@@ -15,7 +15,7 @@ def motive(
         Path, typer.Argument(help="The take: CSV with its header, rigid bodies and markers, or NAME.take.npz.")
     ],
     pen_length: options.PenLength = None,
-    pen_axis: options.PenAxis = "-y",
+    pen_axis: options.PenAxis = None,
     pivot: options.PivotTake = None,
     pen: options.Pen = None,
     sheet: options.Board = None,

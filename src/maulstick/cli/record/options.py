@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from maulstick.recording.mocap.contact import ContactOptions
 
 _AXES = {"x": (1, 0, 0), "-x": (-1, 0, 0), "y": (0, 1, 0), "-y": (0, -1, 0), "z": (0, 0, 1), "-z": (0, 0, -1)}
+_UPRIGHT = "-y"  # of a pen that stood so when its rigid body was made
 _LONGEST_PEN = 2.0  # metres: longer ones are slips of the unit
 _SECONDS = {"ms": 1e-3, "s": 1.0}
 """Seconds per unit of time."""
@@ -38,10 +39,11 @@ PenLength = Annotated[
     ),
 ]
 PenAxis = Annotated[
-    str,
+    str | None,
     typer.Option(
         metavar="AXIS",
         rich_help_panel=_THE_PEN,
+        show_default=_UPRIGHT,
         help="Direction from the rigid body to the tip: x, -x, y, -y, z or -z. It is -y if the pen stood upright when "
         "its rigid body was made.",
     ),
@@ -120,13 +122,19 @@ def contact_options(threshold: str | None, merge: str, shortest: str) -> "Contac
     return ContactOptions(height, merge=_seconds("--merge", merge), shortest=_seconds("--shortest", shortest))
 
 
-def tip_of(length: str | None, axis: str, pivot: Path | None, pen: str | None, board: str | None) -> tuple[Floats, str]:
+def tip_of(
+    length: str | None, axis: str | None, pivot: Path | None, pen: str | None, board: str | None
+) -> tuple[Floats, str]:
     """Return the tip (3,), metres in the frame of the pen's rigid body, and a sentence on how it is known.
 
+    axis: from the rigid body to the tip, for a length; None is that of a pen that stood upright.
     Raises InputError unless exactly one of length and pivot take is given, and where it cannot be used.
     """
     if (length is None) == (pivot is None):
         raise InputError("say where the pen's tip is: with --pen-length, as in 139mm, or with a pivot take, --pivot")
+    if pivot is not None and axis is not None:
+        raise InputError("a pivot take tells the pen's axis, too; leave out --pen-axis")
+    axis = _UPRIGHT if axis is None else axis
     if axis not in _AXES:
         raise InputError.of_choice("axis", axis, _AXES)
     if length is not None:

@@ -11,7 +11,8 @@ from maulstick.jobs.paint.options import PaintOptions
 from maulstick.robot.journal import Journal, begun_with, journal_of, locked, was_begun
 from maulstick.robot.machines import is_simulated
 
-_OF_A_RUN = r"(?:r[0-9]+\.(?:json|png)|copy[0-9]+\.log\.jsonl|eye\.npz)"  # ends of the names of what a run writes
+_OF_A_COPY = r"copy[0-9]+\.log\.jsonl"  # end of the name of a further copy's journal
+_OF_A_RUN = rf"(?:r[0-9]+\.(?:json|png)|{_OF_A_COPY}|eye\.npz)"  # ends of the names of what a run writes
 
 
 def check_own(painting: Path) -> None:
@@ -46,10 +47,16 @@ def _was_rehearsed(journal: Path) -> bool:
 def new_journal(painting: Path, sheet: int) -> Iterator[Journal]:
     """Open an empty journal of a sheet; those of an earlier run are moved away."""
     path = journal_of(painting, sheet)
-    if was_begun(path):
+    if was_begun(path) or (sheet == 1 and _has_copies(painting)):
         _make_room(path, painting.stem)
     with Journal.open(path) as journal:
         yield journal
+
+
+def _has_copies(painting: Path) -> bool:
+    """Return whether there are journals of further copies, which would count as those of a run that begins now."""
+    of_a_copy = re.compile(rf"{re.escape(painting.stem)}\.{_OF_A_COPY}")
+    return any(of_a_copy.fullmatch(each.name) for each in painting.parent.glob("*.log.jsonl"))
 
 
 def _make_room(path: Path, stem: str) -> None:

@@ -1,5 +1,6 @@
 """Operator: the interface to the person at a machine that paints, by a terminal or a page."""
 
+import signal
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from contextlib import AbstractContextManager, contextmanager
@@ -79,6 +80,20 @@ class Operator(ABC):
             yield
         finally:
             self.resting = False
+
+    @final
+    @contextmanager
+    def stopped_by_signals(self) -> Iterator[None]:
+        """Let Ctrl-C, a kill and a closed terminal stop the machine; only the main thread can hear them."""
+        stopping = [signal.SIGINT, signal.SIGTERM, signal.SIGHUP]
+        if signal.getsignal(signal.SIGHUP) == signal.SIG_IGN:  # nohup: it is to go on where its terminal is closed
+            stopping.remove(signal.SIGHUP)
+        before = {number: signal.signal(number, self.interrupt) for number in stopping}
+        try:
+            yield
+        finally:
+            for number, handler in before.items():
+                signal.signal(number, handler)
 
     @final
     def stop(self) -> None:

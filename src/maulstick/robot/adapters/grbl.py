@@ -27,7 +27,7 @@ from maulstick.robot.stopping import Stopping
 from maulstick.storage.arrays import Floats
 
 _BAUD = 115200  # the rate of Grbl 1.1 as it ships
-_CLEAR = 5e-3  # metres above the paper: height to which the tip is lifted when the machine is entered
+_CLEAR = 5e-3  # metres above the paper, or where that is lost, above the tip: height to which it is lifted at first
 _ANY_SPEED = np.array([1e-3])  # metres per second: of a motion that only lowers the pen
 _FACTORY = Limits(  # of Grbl as it ships, until the machine has told its own
     lower=(0, 0, -0.2), upper=(0.2, 0.2, 0.2), speed=0.5 / 60, climb=0.5 / 60, acceleration=0.01, varies_pressure=True
@@ -203,20 +203,29 @@ class Grbl(KeepsOrigin, LetsGo, LocksItself, HasServo, OverridesSpeed):
     def _recover(self) -> None:
         if self._line is None:
             return
-        # The old one waits for answers to what the reset drops.
+        before = self._stream
+        has_lost_height = self._pen is None and before.has_restarted
+        # The one before waits for answers to what the reset drops.
         self._stream = GrblStream(self._line, self._patience, self._stopping)
+        self._stream.has_restarted = before.has_restarted
         stream = GrblStream(self._line, self._patience, Stopping())  # a flag of its own, so that no stop interrupts it
         stream.hold()
         stream.reset()
-        if stream.status(ready=False).state == "Alarm":
+        if stream.status(ready=False).state == "Alarm" and not has_lost_height:  # its lock tells that it has
             stream.ask("$X")
-        self._lift_from_where_it_is(stream, self.place[2])
+        self._lift_from_where_it_is(stream, self.place[2], _CLEAR if has_lost_height else 0.0)
 
-    def _lift_from_where_it_is(self, stream: GrblStream, height: float) -> Floats:
-        """Lift the pen to a height, metres, unless it is higher; returns the place of the tip then, (3,)."""
+    def _lift_from_where_it_is(self, stream: GrblStream, height: float, least: float = 0.0) -> Floats:
+        """Lift the pen to a height, metres, unless it is higher; returns the place of the tip then, (3,).
+
+        least: metres by which it rises in any case. Raises MachineError where that would leave the limits.
+        """
         status = stream.status()
         tip = status.tip - self._origin if status.of_machine else status.tip
-        lifted = np.array([*tip[:2], np.clip(max(tip[2], height), self.limits.lower[2], self.limits.upper[2])])
+        if least and tip[2] + least > self.limits.upper[2]:
+            raise MachineError(f"the Grbl on {self._port} has no room to rise from where it counts its pen")
+        height = max(height, tip[2] + least)
+        lifted = np.array([*tip[:2], np.clip(height, self.limits.lower[2], self.limits.upper[2])])
         stream.run([*self._gcode.begin(), *self._gcode.lift(lifted)])
         return lifted
 
@@ -244,7 +253,7 @@ class Grbl(KeepsOrigin, LetsGo, LocksItself, HasServo, OverridesSpeed):
         """
         if settings[13]:
             raise MachineError(f"the Grbl on {self._port} reports in inches; send $13=0, then start again")
-        for (first, what, unit), (axis, name) in product(MOVES, enumerate("xyz")):
+        for (first, what, unit), (axis, name) in product(MOVES, enumerate("xyz" if self._pen is None else "xy")):
             if settings[first + axis] <= 0:
                 setting = f"${first + axis}"
                 fault = f"the Grbl on {self._port} has no {what} along {name} ({setting}={settings[first + axis]:g})"

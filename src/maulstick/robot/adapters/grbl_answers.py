@@ -18,7 +18,7 @@ _MILLISECONDS = 1e-3  # seconds
 _ALWAYS_ON = 255  # as $1: the motors are held, and nothing waits until they are let go
 _ANSWER = 5e-3, 4e-3  # seconds from the end of a motion, or of lifting a servo, to its answer: tests/robot/dialogues
 _NUMBER = r"-?\d+(?:\.\d+)?"
-_TRIPLE = rf"({_NUMBER},{_NUMBER},{_NUMBER})"
+_PLACE = rf"({_NUMBER},{_NUMBER},{_NUMBER})(?:,{_NUMBER})*"  # some boards have more axes, which we never move
 
 ERRORS: Final = {
     1: "a word of G-code has no letter",
@@ -97,7 +97,7 @@ class Status:
     @classmethod
     def parse(cls, line: str) -> Self | None:
         """Parse a line; returns None where it is no report, or noise has changed it."""
-        found = re.fullmatch(rf"<([A-Z][a-z]+(?::\d)?)\|([MW])Pos:{_TRIPLE}(?:\|[A-Za-z]+:[\w.,-]*)*>", line)
+        found = re.fullmatch(rf"<([A-Z][a-z]+(?::\d)?)\|([MW])Pos:{_PLACE}(?:\|[A-Za-z]+:[\w.,-]*)*>", line)
         if found is None:
             return None
         overrides = re.search(r"\|Ov:(\d+),", line)
@@ -123,7 +123,7 @@ def work_origin(lines: Iterable[str]) -> Floats | None:
     """Return the work's origin in machine coordinates, (3,) metres, from the answer to $#; None where it is missing."""
     told: dict[str, Floats] = {}
     for line in lines:
-        if found := re.fullmatch(rf"\[(G54|G92):{_TRIPLE}\]", line):
+        if found := re.fullmatch(rf"\[(G54|G92):{_PLACE}\]", line):
             told[found[1]] = _triple(found[2])
         elif found := re.fullmatch(rf"\[TLO:({_NUMBER})\]", line):
             told["TLO"] = np.array([0, 0, _MM * float(found[1])])
@@ -142,13 +142,15 @@ def own_limits(settings: dict[int, float], origin: Floats, pen: Pen | None, zero
     With homing the travel lies below the machine's own origin, on every axis, unless that is `zero_at_switches`, from
     which an axis in the mask $23 goes up. Without homing, the machine is taken to have been switched on in the lower
     left corner of its travel, as plotters are, the tip on the paper or above it.
-    pen: servo of its pen, None where it lifts by height.
+    pen: servo of its pen, None where it lifts by height. With a servo nothing moves along z, so that heights are only
+    numbers, and what z says of speed and acceleration does not count.
     Grbl waits for $1 at the end of every motion, before it answers and lets go of its motors, unless $1 is 255.
     Raises KeyError where a setting is missing.
     """
     idle = 0.0 if settings[1] == _ALWAYS_ON else _MILLISECONDS * settings[1]
-    rates = [_MM_PER_MINUTE * settings[code] for code in (110, 111, 112)]
-    gains = (_MM * settings[120], _MM * settings[121], _MM * settings[122])
+    x, y, z = axes = 0, 1, 2 if pen is None else 0
+    rates = [_MM_PER_MINUTE * settings[110 + axis] for axis in axes]
+    gains = (_MM * settings[120 + x], _MM * settings[120 + y], _MM * settings[120 + z])
     travel = np.array([_MM * settings[code] for code in (130, 131, 132)])
     if settings[22]:
         rises = [zero_at_switches and int(settings[23]) >> axis & 1 for axis in range(3)]
@@ -156,14 +158,15 @@ def own_limits(settings: dict[int, float], origin: Floats, pen: Pen | None, zero
         lower = upper - travel
     else:
         lower, upper = travel * (0, 0, -1), travel
-    if pen is not None:  # it has no height
-        lower[2], upper[2] = -travel[2], travel[2]
+    if pen is not None:
+        highest = travel[2] or travel[0]  # z of a machine that has none may be as high as any
+        lower[2], upper[2] = -highest, highest
     return Limits(
         lower=tuple(lower.tolist()),
         upper=tuple(upper.tolist()),
         speed=min(rates[:2]),
         climb=rates[2],
-        acceleration=min(gains if pen is None else gains[:2]),
+        acceleration=min(gains),
         axes=gains,
         deviation=_MM * settings[11],
         varies_pressure=pen is None,

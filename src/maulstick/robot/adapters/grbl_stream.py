@@ -44,6 +44,7 @@ class GrblStream:
     """Line to a Grbl: sends commands and reads its answers.
 
     override: per cent of the commanded speed that is wanted, in steps of 10; another thread may change it.
+    has_restarted: whether it has started again by itself, and counts its place from where it then stood.
     Raises MachineError where it is silent, fails or is not understood; `run` raises StoppedError once `stopping` is
     set.
     """
@@ -58,6 +59,7 @@ class GrblStream:
         self._next_report = 0.0
         self.override = self._overridden = 100
         self._just_changed = False
+        self.has_restarted = False
 
     def reset(self) -> None:
         """Reset Grbl, which empties its buffers; its position is kept if it stands still."""
@@ -212,7 +214,8 @@ class GrblStream:
             code, unknown = int(found[1]), f"it does not say why; {_UNABLE['Alarm']}"
             fault = f"the Grbl on {port} raised alarm {code}: {ALARMS.get(code, unknown)}"
             return MachineError(fault, REMEDIES.get(text) if code in ALARMS else Remedy.UNLOCK)
-        if text.startswith("Grbl "):
+        if "Grbl " in text:  # perhaps after noise, as power came back
+            self.has_restarted = True
             return MachineError(f"the Grbl on {port} started again by itself; check its power", Remedy.HOME)
         shown = text if len(text) <= 40 else text[:37] + "..."
         return MachineError(

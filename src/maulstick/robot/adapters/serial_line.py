@@ -15,6 +15,7 @@ GLANCE: Final = 0.01
 """Seconds that one read waits at most, which bounds how late a stop is seen."""
 
 _LONGEST_LINE = 4096  # bytes: no machine sends a longer line, but noise may never end one
+_LONGEST_REST = 1.0  # seconds: what comes for longer is no rest of earlier answers, but a device that never pauses
 
 
 @final
@@ -52,8 +53,9 @@ class SerialLine:
         return self._lines.pop(0) if self._lines else None
 
     def drop(self) -> None:
-        """Drop what has come and was not read."""
-        while self._read():
+        """Drop what has come and was not read, until nothing comes, or the device never pauses."""
+        rest = Patience(_LONGEST_REST)
+        while self._read() and not rest.over:
             pass
         self._came, self._lines = b"", []
 

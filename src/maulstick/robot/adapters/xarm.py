@@ -80,9 +80,6 @@ class XArm(Arm):
             ) from error
         if self._arm.device_type == _LITE6_TYPE and self.limits.narrowed(LITE6) != self.limits:
             raise InputError("this arm is a Lite 6, which reaches less far than an xArm; call it lite6:IP")
-        stopped_by = self._error()
-        if stopped_by in _OF_A_COLLISION:
-            raise MachineError(f"{self._sentence(0)}; see that it is free, clear the error at the arm, and start again")
         self._make_ready()
         pose = self._pose()
         self._turned = pose[3:6]
@@ -129,6 +126,8 @@ class XArm(Arm):
         )
 
     def _make_ready(self) -> None:
+        if self._error() in _OF_A_COLLISION:
+            raise MachineError(f"{self._sentence(0)}; see that it is free, clear the error at the arm, and start again")
         self._arm.clean_error()
         self._arm.clean_warn()
         self._check(self._arm.motion_enable(True))
