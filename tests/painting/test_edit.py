@@ -67,6 +67,14 @@ def test_a_crop_is_a_part_of_the_picture_and_has_a_pixel_at_least(picture: Pixel
     assert (kept == picture[top : top + kept.shape[0], left : left + kept.shape[1]]).all()
 
 
+@given(CROPS, st.integers(1, 500))
+def test_a_picture_is_read_so_finely_that_its_crop_has_as_many_pixels_on_either_side(crop: Crop, pixels: int) -> None:
+    side = PictureEdit(crop=crop).read_px(pixels)
+    kept = PictureEdit(crop=crop).shape((side, side))
+    assert min(kept) >= pixels - 1 or side == 100_000_000  # edges fall on pixels; no picture has longer sides
+    assert PictureEdit(crop=WHOLE).read_px(pixels) == pixels
+
+
 def test_a_crop_is_of_the_picture_as_it_is_turned() -> None:
     picture = np.zeros((4, 8, 3), np.float32)
     picture[0, 7] = 1

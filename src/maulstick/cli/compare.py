@@ -24,6 +24,7 @@ from maulstick.painting.painting import Painting
 from maulstick.painting.painting_file import read_painting
 from maulstick.painting.picture import READ_PX, read_picture
 from maulstick.painting.raster import Canvas
+from maulstick.storage.arrays import Pixels
 from maulstick.storage.files import atomic_write
 from maulstick.storage.text import counted
 
@@ -50,7 +51,7 @@ def compare(
     """
     check_picture(out, px, overwrite)
     plans = _read(paintings)
-    picture = None if photo is None else read_picture(photo, longest_px=READ_PX)
+    picture = None if photo is None else _read_for(plans, photo)
 
     from maulstick.plots.compare import Panel, compare_plot
     from maulstick.rendering.likeness import likeness as likeness_to
@@ -78,6 +79,11 @@ def compare(
             table.add_row(row, *map(Text, values))
     Console().print(table)
     print(out, flush=True)
+
+
+def _read_for(plans: Sequence[Painting], photo: Path) -> Pixels:
+    """Read a photograph as finely as any of the plans needs the part of it that it keeps."""
+    return read_picture(photo, max(PictureEdit.of(plan.provenance.options).read_px(READ_PX) for plan in plans))
 
 
 def _read(paths: Sequence[Path]) -> list[Painting]:

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
-from math import cos, isfinite, radians, sin
+from math import ceil, cos, isfinite, radians, sin
 from typing import Any, Final, Self
 
 import numpy as np
@@ -30,6 +30,7 @@ MOST_STOPS: Final = 5.0
 CONTRASTS: Final = (0.1, 10.0)
 """Least and largest factor of contrast: nearly one grey, and nearly black and white."""
 
+_MOST_READ_PX = 100_000_000  # of a side: as many as the largest picture that is read has in all
 _GREY = 0.5  # sRGB that contrast leaves as it is: the middle of what the eye tells apart, L* 53
 
 
@@ -71,6 +72,11 @@ class PictureEdit:
             given["crop"] = tuple(crop)
         return cls(**given)
 
+    def read_px(self, pixels: int) -> int:
+        """Return the length in pixels to read either side of a picture at, so that the crop keeps so many of it."""
+        left, top, right, bottom = self.crop
+        return ceil(min(pixels / min(right - left, bottom - top), _MOST_READ_PX))
+
     def applied(self, picture: Pixels) -> Pixels:
         """Return the picture (H, W, 3), sRGB in [0, 1], with these corrections, (h, w, 3)."""
         return self.toned(self.cut(self.turned(picture)))
@@ -89,8 +95,10 @@ class PictureEdit:
 
     def cut(self, picture: Pixels) -> Pixels:
         """Return what the crop keeps of a picture (H, W, 3)."""
+        if self.crop == WHOLE:
+            return picture
         (top, bottom), (left, right) = self._edges(*picture.shape[:2])
-        return picture[top:bottom, left:right]
+        return picture[top:bottom, left:right].copy()  # a view would keep the whole in memory
 
     def toned(self, picture: Pixels) -> Pixels:
         """Return the picture (H, W, 3) exposed, and with its contrast."""

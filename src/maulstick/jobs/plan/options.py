@@ -213,12 +213,12 @@ class PlanOptions:
     @property
     def read_px(self) -> int:
         """Longest side of the picture as it is read, pixels, where its shorter one has `least_px` or more."""
-        return max(READ_PX, _FINER * (self.px or 0))
+        return self.edit.read_px(max(READ_PX, _FINER * (self.px or 0)))
 
     @property
     def least_px(self) -> int:
         """Least pixels of the picture's shorter side as it is read: a long one is as fine as its mural, too."""
-        return self.px or 0
+        return self.edit.read_px(self.px or 0)
 
     @property
     def inks(self) -> tuple[str, ...]:
