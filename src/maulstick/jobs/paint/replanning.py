@@ -50,11 +50,11 @@ class Replanning:
         if not (options.replan or options.look):
             if (
                 options.replan is None
-                and (options.camera, options.picture, options.view, options.colours) != (None,) * 4
+                and (options.camera, options.picture, options.view, options.tag, options.colours) != (None,) * 5
             ):
                 raise InputError(
-                    f"{option('camera')}, {option('picture')}, {option('view')} and {option('colours')} are for "
-                    f"{option('replan')}; add it, or leave them out"
+                    f"{option('camera')}, {option('picture')}, {option('view')}, {option('tag')} and "
+                    f"{option('colours')} are for {option('replan')}; add it, or leave them out"
                 )
             return None
         if options.picture is None:
