@@ -25,7 +25,7 @@ from maulstick.painting.painting_file import read_painting
 from maulstick.painting.picture import READ_PX, read_picture
 from maulstick.painting.raster import Canvas
 from maulstick.storage.arrays import Pixels
-from maulstick.storage.files import atomic_write
+from maulstick.storage.files import atomic_write, file_to_read
 from maulstick.storage.text import counted
 
 if TYPE_CHECKING:
@@ -95,7 +95,7 @@ def _read(paths: Sequence[Path]) -> list[Painting]:
         if (place := os.path.realpath(path)) in seen:
             raise InputError(f"{path} is named twice; name each painting once")
         seen.add(place)
-        kind = kind_in(path)
+        kind = kind_in(file_to_read(path, "painting"))
         if kind not in (None, "painting"):
             remedy = "use maulstick style compare" if kind == "style" else "name a painting.json"
             raise InputError(f"{path} holds {kind}, and paintings are compared; {remedy}")
