@@ -246,6 +246,7 @@ LINE = '<path d="M10 10H20"/>'
         ("rotate: 90deg; transform-origin: 10px 10px", [[10, 10], [10, 20]]),
         ("transform: scale(2); transform-origin: 10px 0", [[10, 20], [30, 20]]),
         ("transform: translate(1px, 2px); translate: 10%", [[21, 12], [31, 12]]),
+        ("transform: translate(1em, 2px)", [[26, 12], [36, 12]]),
         ("translate: 5px; display: none", None),
     ],
 )
@@ -275,6 +276,7 @@ def test_percentages_of_moves_are_of_the_viewport_that_an_element_lies_in() -> N
         ('<line x1="10%" y1="10%" x2="50%" y2="10%"/>', [[10, 5], [50, 5]]),
         ('<line x1="10" y1="what" x2="20"/>', [[10, 0], [20, 0]]),
         ('<use href="#line" x="1em"/>', [[26, 10], [36, 10]]),
+        (f'<g transform="translate(1em,2)">{LINE}</g>', [[26, 12], [36, 12]]),
         ('<svg x="10%" y="3" width="50" height="20"><use href="#line"/></svg>', [[20, 13], [30, 13]]),
         ('<svg x="7" y="3" width="50" height="20"><line x2="10%" y2="10%"/></svg>', [[7, 3], [12, 5]]),
         ('<svg x="7" y="3"><line x2="10%" y2="10%"/></svg>', [[7, 3], [17, 8]]),

@@ -12,7 +12,7 @@ from maulstick.recording.files.lengths import Viewport
 from maulstick.recording.files.markup import local_name
 from maulstick.recording.files.style_sheet import StyleSheet
 from maulstick.recording.files.svg_paths import PAGE, parted, view_box
-from maulstick.recording.files.transforms import transform_of
+from maulstick.recording.files.transforms import is_relative, transform_of
 
 _MOVED = MOVES | {"transform-origin"}  # properties for which a transform is written anew
 _ALONG_X = {  # lengths of elements, whose others along y are called alike
@@ -39,7 +39,7 @@ def write_attributes(root: Element) -> None:
 def _write(parent: Element, styles: dict[Element, dict[str, str]], viewport: Viewport) -> None:
     for element in parent:
         own = styles[element]
-        if own.keys() & _MOVED or "%" in own.get("transform", ""):  # which svgelements does not turn
+        if own.keys() & _MOVED or is_relative(own.get("transform", "")):
             m = transform_of(own, viewport.width, viewport.height)
             own = {**own, "transform": f"matrix({m.a!r} {m.b!r} {m.c!r} {m.d!r} {m.e!r} {m.f!r})"}
         for name in READ:
