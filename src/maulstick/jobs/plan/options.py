@@ -245,6 +245,11 @@ class PlanOptions:
         """Whether any option of CLIP is given, so that CLIP is the network."""
         return any(value is not None for value in (self.clip, self.clip_weights, self.clip_layers))
 
+    def check_counted(self) -> None:
+        """Raise InputError where strokes are to be counted for ink, and options of a new plan ask for none."""
+        if self.strokes == AUTO and (self.ink, self.paints_from, self.again) == (None, None, None):
+            raise no_ink_to_count()
+
     def _check_paints(self) -> None:
         given = {"paints": self.paints, "ink": self.ink, "paints_from": self.paints_from}
         ways = [option(name) for name, value in given.items() if value is not None]
@@ -253,6 +258,14 @@ class PlanOptions:
         strokes = MOST_AUTO if self.strokes == AUTO else self.strokes
         if self.paints is not None:
             check_whole("paints", self.paints, 1, strokes, f"from 1 to the {counted(strokes, 'stroke')}")
+
+
+def no_ink_to_count() -> InputError:
+    """Return the fault of strokes that are to be counted where no hand draws in ink."""
+    return InputError(
+        f"{option('strokes')} is {AUTO}, which counts strokes of a hand for ink; give {option('style')} and "
+        f"{option('ink')}, or a number"
+    )
 
 
 def colours_in(said: str) -> tuple[str, ...]:

@@ -49,6 +49,7 @@ def prepare(
     brushes, style, again: replace those that the options name.
     Raises InputError for the first file that cannot be used, and for contradictions.
     """
+    request.options.check_counted()
     options, device = request.options, choose_device(request.options.device)
     again, picture = again or Again.of(options), picture_of(request, image)
     sheet = sheet_of(options, picture)
