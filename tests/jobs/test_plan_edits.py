@@ -60,6 +60,25 @@ def test_what_a_crop_keeps_is_read_as_finely_as_its_file_and_the_canvas_are(
     assert picture.base is None  # the rest is not kept in memory
 
 
+@pytest.mark.parametrize(
+    ("options", "high"),
+    [
+        ({}, 1600),
+        ({"px": 512}, 1536),
+        ({"px": 512, "size": "100x300mm-auto"}, 1536),
+        ({"px": 512, "fit": "contain"}, 800),
+    ],
+)
+def test_a_picture_that_covers_a_sheet_of_another_shape_is_read_as_finely_as_the_canvas_is(
+    tmp_path: Path, options: dict[str, Any], high: int
+) -> None:
+    Image.new("L", (8192, 1600)).save(tmp_path / "wide.png")
+    asked = PlanOptions(**{"size": "300x100mm", "fit": "cover", **options})
+    picture = picture_of(PlanRequest(tmp_path / "wide.png", asked), None)
+    assert picture is not None
+    assert picture.shape[0] == high
+
+
 def test_a_crop_is_compared_with_all_of_its_pixels(tmp_path: Path, painting: Painting) -> None:
     fine = np.random.default_rng(0).integers(0, 2, (8, 8192, 3), np.uint8) * 255
     Image.fromarray(fine).save(tmp_path / "fine.png")

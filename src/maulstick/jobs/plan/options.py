@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
+from math import ceil
 from pathlib import Path
 from typing import Any, Final, Literal
 
@@ -217,8 +218,8 @@ class PlanOptions:
 
     @property
     def least_px(self) -> int:
-        """Least pixels of the picture's shorter side as it is read: a long one is as fine as its mural, too."""
-        return self.edit.read_px(self.px or 0)
+        """Least pixels of the picture's shorter side as it is read: a long one is as fine as its canvas, too."""
+        return self.edit.read_px(self._covered_px if self.fit == "cover" else self.px or 0)
 
     @property
     def inks(self) -> tuple[str, ...]:
@@ -244,6 +245,17 @@ class PlanOptions:
     def names_clip(self) -> bool:
         """Whether any option of CLIP is given, so that CLIP is the network."""
         return any(value is not None for value in (self.clip, self.clip_weights, self.clip_layers))
+
+    @property
+    def _covered_px(self) -> int:
+        """Pixels of the canvas's longer side, which either side of a picture may have to cover."""
+        if self.px is None:
+            return READ_PX // _FINER
+        size = parse_sheet(self.size, None)
+        width, height = (side - 2 * parse_margin(self.margin, size) for side in size)
+        if is_turned_by_picture(self.size):
+            height, width = sorted((width, height))
+        return ceil(self.px * max(width / height, 1))
 
     def check_counted(self) -> None:
         """Raise InputError where strokes are to be counted for ink, and options of a new plan ask for none."""
