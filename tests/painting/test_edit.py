@@ -1,4 +1,5 @@
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -40,6 +41,14 @@ def test_what_an_edit_leaves_is_a_picture_of_the_shape_that_it_tells(picture: Pi
     assert edited.dtype == np.float32
     assert edited.min() >= 0
     assert edited.max() <= 1
+
+
+@given(PICTURES, EDITS)
+def test_what_is_cut_out_of_a_straightened_picture_is_what_straightening_all_of_it_leaves_there(
+    picture: Pixels, edit: PictureEdit
+) -> None:
+    of_place = replace(edit, exposure=0.0, contrast=1.0)
+    assert of_place.applied(picture) == pytest.approx(edit.cut(edit.turned(picture)), abs=FLOAT32_VALUE)
 
 
 @given(PICTURES, st.sampled_from([90, 180, 270]))
