@@ -105,6 +105,6 @@ def test_a_plan_is_made_for_a_pen_in_its_colour(here: Path) -> None:
     plan = read_painting(here / "out" / "painting.json")
     assert list(plan.brushes) == ["micron-05"]
     assert [each.hex for each in plan.paints] == ["#000000"]
-    assert run("plan", "--demo", "--pen", "round").mistake.endswith("so it is no pen; name it as a brush")
+    assert run("plan", "--demo", "--pen", "round").mistake.endswith("so it is no pen; plan with it as a brush")
     both = run("plan", "--demo", "--pen", "micron-05", "--brush", "round")
     assert both.mistake == "--pen and --brush both say what to draw with; leave out one"
