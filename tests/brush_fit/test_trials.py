@@ -329,6 +329,10 @@ def test_what_is_no_photograph_is_refused_and_nothing_written(three: Path, photo
         (np.zeros((2, 4)), "path[0]: Tuple should have at most 3 items"),
         (np.array([[0, 0, 1.1]]), "path[0][2]: Input should be less than or equal to 1 (got 1.1)"),
         (np.array([[0, 0, 0], [0, 0, -0.1]]), "path[1][2]: Input should be greater than or equal to 0 (got -0.1)"),
+        (
+            np.array([[0, -150.0, 0]]),
+            "path[0][1]: it must be at most 100 metres, so divide millimetres by",
+        ),
         (np.array([[0, np.nan, 0]]), "path[0][1]: Input should be a finite number (got nan)"),
         (np.array([[np.inf, 0, 0]]), "path[0][0]: Input should be a finite number (got inf)"),
     ],
@@ -389,6 +393,8 @@ def test_trials_are_made_in_a_new_or_an_empty_folder_only(tmp_path: Path, three:
         ({"medium": "a\nb"}, "medium: a name must be made of printable characters"),
         ({"pixels_per_metre": 0}, "pixels_per_metre: Input should be greater than 0 (got 0)"),
         ({"pixels_per_metre": float("inf")}, "pixels_per_metre: Input should be a finite number (got inf)"),
+        ({"pixels_per_metre": 1e300}, "pixels_per_metre: it must be from 100 to 1000000 pixels per metre (got 1e+300)"),
+        ({"depth": (0.0, 1e300)}, "depth[1]: it must be at most 100 metres, so divide millimetres by 1000 (got"),
         ({"depth": (0.0, float("nan"))}, "depth[1]: Input should be a finite number (got nan)"),
     ],
 )
@@ -415,6 +421,7 @@ def of_stroke(index: int, **change: object) -> Callable[[dict[str, Any]], object
         (lambda c: c.pop("schema_version"), "schema_version: Field required"),
         (lambda c: c.pop("medium"), "medium: Field required"),
         (lambda c: c.update(pixels_per_metre=-1), "pixels_per_metre: Input should be greater than 0 (got -1)"),
+        (lambda c: c.update(pixels_per_metre=1e-300), "pixels_per_metre: it must be from 100 to 1000000 pixels per"),
         (lambda c: c.update(pixels_per_metre="5"), "pixels_per_metre: Input should be a valid number (got '5')"),
         (lambda c: c.update(depth=[0]), "depth[1]: Field required"),
         (lambda c: c.update(strokes=None), "strokes: Input should be a valid array (got None)"),

@@ -106,8 +106,10 @@ def test_what_is_no_chart_is_refused(studio: Studio, lamp: Colours) -> None:
     seen = _seen(studio, chart())
     with pytest.raises(InputError, match=r"^what lies there is not the chart; give the middles"):
         with_chart(lamp, *seen, CANVAS, np.roll(CHART_CORNERS, 2, axis=0))
-    with pytest.raises(InputError, match=r"^the chart is too small or reaches beyond the sheet"):
-        with_chart(lamp, *seen, CANVAS, CHART_CORNERS + 0.2)
+    bent = np.array([[0, 0], [0.05, 0.05], [0.2, 0.16], [0, 0.16]])
+    for beyond in (CHART_CORNERS + 0.2, CHART_CORNERS * 1e9, CHART_CORNERS * 1e300, bent):
+        with pytest.raises(InputError, match=r"^the chart is too small or reaches beyond the sheet"):
+            with_chart(lamp, *seen, CANVAS, beyond)
     with pytest.raises(InputError, match=r"^the chart's corners must be four points"):
         with_chart(lamp, *seen, CANVAS, CHART_CORNERS[:3])
 

@@ -85,6 +85,8 @@ def test_the_catalogue_of_pens_is_listed_with_the_own_ones(here: Path) -> None:
     (PENS.own() / "fineliner.json").write_text(mine)
     (PENS.own() / "torn.json").write_text(mine[:9])
     write_brush(Brush(name="micron-03", source="photographs", alpha=0, beta=2e-4), BRUSHES.own() / "micron-03.json")
+    write_brush(Brush(name="biro", source="photographs", alpha=0, beta=3e-4), BRUSHES.own() / "biro.json")
+    (BRUSHES.own() / "rotten.json").write_text("{}")
     ran = run("brush", "pens")
     listed = rows(ran.stdout)
     assert ran.code == 0
@@ -93,6 +95,8 @@ def test_the_catalogue_of_pens_is_listed_with_the_own_ones(here: Path) -> None:
     assert listed["micron-03"] == "0.4 mm #000000 fineliner your own brush: photographs"
     assert listed["fineliner"].startswith("0.312 mm #1a33b2 gel pen a brush that comes with Maulstick: a fineliner, ")
     assert "torn.json is not a pen" in listed["torn"]
+    assert listed["biro"].split() == ["0.6", "mm", "your", "own", "brush:", "photographs"]
+    assert not {"twig", "rotten", "marker"} & listed.keys(), "the first varies, and the last comes along"
 
 
 def test_a_plan_is_made_for_a_pen_in_its_colour(here: Path) -> None:
@@ -101,6 +105,6 @@ def test_a_plan_is_made_for_a_pen_in_its_colour(here: Path) -> None:
     plan = read_painting(here / "out" / "painting.json")
     assert list(plan.brushes) == ["micron-05"]
     assert [each.hex for each in plan.paints] == ["#000000"]
-    assert run("plan", "--demo", "--pen", "round").mistake.endswith("so it is no pen; name it as a brush")
+    assert run("plan", "--demo", "--pen", "round").mistake.endswith("so it is no pen; plan with it as a brush")
     both = run("plan", "--demo", "--pen", "micron-05", "--brush", "round")
     assert both.mistake == "--pen and --brush both say what to draw with; leave out one"

@@ -141,7 +141,8 @@ def test_what_is_no_painting_is_refused_by_what_it_is(plans: list[Path], tmp_pat
         STYLE: f"{STYLE} holds style, and paintings are compared; use maulstick style compare",
         Path("a.npz"): "a.npz holds ink, and paintings are compared; name a painting.json",
         Path("text.json"): "text.json is not a painting: the file: Invalid JSON: expected value at line 1 column 1",
-        Path("none.json"): "there is no file none.json; check its name and folder",
+        Path("none.json"): "there is no painting none.json; check its name and folder",
+        plans[0].parent: f"{plans[0].parent} is a folder; name {plans[0].parent / 'painting.json'}",
     }.items():
         ran = run("compare", plans[0], other)
         assert ran.code == 2

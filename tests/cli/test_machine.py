@@ -296,6 +296,11 @@ def test_the_logbook_lists_what_each_pen_drew_on_a_machine_or_on_all(
 def test_a_machine_that_there_is_not_has_no_logbook(here: Path) -> None:
     assert run("machine", "FOO", "--log").mistake.startswith("there is no machine 'FOO'; there are: sim")
     assert run("machine", "grbl", "--log").mistake.startswith("'grbl' does not say where the machine is")
+    assert run("machine", "sim:foo", "--log").mistake.startswith(
+        "there is no machine 'sim:foo'; there are: sim, sim:pe"
+    )
+    told = "a plotter of hpgl is not driven, but draws a file; write that with maulstick export"
+    assert run("machine", "hpgl", "--log").mistake == told
     assert run("machine", "sim", "--log").stdout.startswith("nothing was painted on sim so far")
 
 

@@ -38,6 +38,7 @@ def test_a_plan_of_which_no_stroke_is_left_says_why_and_what_to_do(tmp_path: Pat
     assert not read_painting(tmp_path / "out" / "painting.json").strokes
     last = ran.stderr.splitlines()[-1]
     assert last.startswith("note: no stroke is left, for none brings the sheet nearer to what is asked for; take inks")
+    assert last.endswith("on its paper, a picture that it does not show yet, or more or larger strokes")
     some = paint(tmp_path / "some", *PEN, "--strokes", "5")
     assert "no stroke is left" not in some.stderr
 

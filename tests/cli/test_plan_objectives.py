@@ -194,6 +194,13 @@ def test_paints_of_a_file_keep_their_names_and_colours(tmp_path: Path) -> None:
     assert len({paint.name for paint in found}) == len(found)
 
 
+def test_two_paints_of_one_colour_are_refused_as_two_such_inks_are(tmp_path: Path) -> None:
+    (tmp_path / "mine.csv").write_text("night,#1b1a3c\nrust,#8a4524\nink,#1B1A3C\n")
+    said = refused(tmp_path, PORTRAIT, "--paints-from", tmp_path / "mine.csv")
+    told = "'night' and 'ink' are both #1b1a3c, and a painting tells its paints by colour; leave out one of them"
+    assert said == f"{tmp_path / 'mine.csv'}: {told}"
+
+
 @pytest.mark.parametrize("words", [["--paints", "2"], ["--ink", "black"]])
 def test_paints_of_a_file_are_one_way_to_say_what_to_paint_with(tmp_path: Path, words: list[str]) -> None:
     (tmp_path / "mine.csv").write_text("rust,#8a4524")

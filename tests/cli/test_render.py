@@ -44,7 +44,7 @@ def test_an_image_that_is_there_is_replaced_only_when_told_to(painting: Path) ->
         assert opened.size == (50, 40)
 
 
-@pytest.mark.parametrize("px", ["0", "-1", "8193", "7000"])
+@pytest.mark.parametrize("px", ["0", "-1", "8193", "7000", "9" * 400])
 def test_a_height_without_sense_is_refused(painting: Path, px: str) -> None:
     ran = run("render", painting, "--px", px)
     assert ran.code == 2

@@ -23,7 +23,7 @@ from tests.support.planned import STROKES, picture, planned
 from tests.support.tolerances import LANDED, PICTURE
 
 EVERY = 12
-NEEDS_REPLAN = "--camera, --picture, --view and --colours are for --replan; add it, or leave them out"
+NEEDS_REPLAN = "--camera, --picture, --view, --tag and --colours are for --replan; add it, or leave them out"
 Draw = Callable[[Floats, tuple[float, float, float]], None]
 
 
@@ -189,6 +189,7 @@ def test_the_photograph_shows_what_is_on_the_sheet(monkeypatch: pytest.MonkeyPat
         (("--replan", "5"), "planning again needs the picture that the painting is of; name it with --picture"),
         (("--picture", "picture.png"), NEEDS_REPLAN),
         (("--camera", "usb:0"), NEEDS_REPLAN),
+        (("--tag", "30"), NEEDS_REPLAN),
         (
             ("--replan", "5", "--picture", "picture.png", "--robot", "grbl:/dev/null"),
             "planning again needs a camera over the sheet; name it with --camera usb:0, or folder:PATH",

@@ -150,6 +150,13 @@ def test_what_cannot_be_done_is_told(folder: Path, words: tuple[str, ...], says:
     assert run("survey", folder, *words).mistake == says
 
 
+@pytest.mark.parametrize("words", [(), ("--links", "2"), ("--results",)])
+def test_a_file_in_place_of_the_folder_is_told(folder: Path, words: tuple[str, ...]) -> None:
+    file = folder / "survey.json"
+    said = f"{file} is a file; name the folder of the survey, the one with survey.json in it"
+    assert run("survey", file, *words).mistake == said
+
+
 def test_a_folder_without_a_survey_is_told(tmp_path: Path) -> None:
     ran = run("survey", tmp_path)
     assert ran.mistake == f"there is no survey {tmp_path / 'survey.json'}; check its name and folder"

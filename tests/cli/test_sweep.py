@@ -204,6 +204,14 @@ def test_a_sweep_that_is_killed_leaves_no_process_behind(tmp_path: Path, at: str
             "[axes]\npicture = ['x.png']\nseed = ['a']",
             "the cell x.png_seed-a: options.seed: Input should be a valid int",
         ),
+        (
+            "[axes]\npicture = ['x.png']\nseed = [true]",
+            "the cell x.png_seed-True: seed is true or false, as only exact",
+        ),
+        (
+            "[axes]\npicture = ['x.png']\nseed = [0, 1]\n[options]\nstrokes = 'auto'",
+            "the cell x.png_seed-0: strokes is auto, which counts strokes of a hand for ink; give style and ink, or a",
+        ),
         ("[axes]\nagain = ['none.json']", "there is no painting {folder}/none.json; check its name and folder"),
         ("[axes]\ntext = ['a boat']\nstyle = ['nobody']", "there is no style 'nobody'; there are: FILE.json, "),
         ("[axes]\ntext = ['a boat']\nbrush = ['none']", "there is no brush 'none'; there are: FILE.json, fineliner"),
@@ -248,6 +256,13 @@ def test_a_folder_that_holds_something_else_is_left_alone(tmp_path: Path) -> Non
     assert ran.code == 1
     assert ran.mistake.endswith("is not empty, and no cell of a sweep; choose another folder")
     assert os.listdir(mine.parent) == ["mine.txt"]
+
+
+def test_a_file_is_no_folder_to_sweep_into(tmp_path: Path) -> None:
+    (tmp_path / "out").write_text("before")
+    ran = run("sweep", grid_in(tmp_path, "seed = [0]"), "--out", tmp_path / "out")
+    assert (ran.code, ran.mistake) == (1, f"{tmp_path / 'out'} is a file, not a folder; choose another --out")
+    assert (tmp_path / "out").read_text() == "before"
 
 
 @pytest.mark.parametrize("name", ["sweep.csv", "sweep.png"])

@@ -213,8 +213,15 @@ def brushes_of_regions(painting: Painting) -> set[tuple[str | None, str]]:
 def test_a_second_brush_is_refused_for_a_drawing_in_ink_by_what_it_is_drawn_with(folder: Path) -> None:
     quick: dict[str, Any] = {"strokes": 6, "steps": 2, "px": 24, "size": SIDE}
     drawing = ms.plan(folder / "disc.png", brush="fineliner", ink="black", **quick)
-    with pytest.raises(InputError, match="in ink with fineliner, and ink is drawn with one brush; leave out brush"):
+    with pytest.raises(
+        InputError, match="in ink with fineliner, and ink is drawn with one brush; name that one with brush"
+    ):
         ms.plan(folder / "disc.png", again=drawing, brush="marker")
+    options = ms.PlanOptions(**quick)
+    with pytest.raises(InputError, match="name that one with brush"):
+        ms.plan(folder / "disc.png", again=drawing, options=options)
+    drawn = ms.plan(folder / "disc.png", again=drawing, options=options, brush="fineliner")
+    assert list(drawn.brushes) == ["fineliner"]
 
 
 def test_the_camera_leaves_locked_strokes_alone_too(changed: Painting) -> None:

@@ -11,6 +11,7 @@ import maulstick as ms
 from maulstick.errors import InputError
 from maulstick.jobs.paint import camera_loop
 from maulstick.jobs.paint.camera_loop import replanned
+from maulstick.jobs.plan.inputs import picture_of
 from maulstick.jobs.plan.options import PlanOptions
 from maulstick.jobs.plan.prepare import prepare
 from maulstick.jobs.plan.prepared import Prepared
@@ -19,6 +20,7 @@ from maulstick.painting.edit import PictureEdit
 from maulstick.painting.painting import Painting
 from maulstick.painting.picture import READ_PX, read_picture
 from maulstick.planning.layout import Layout
+from maulstick.rendering.likeness import likeness
 
 EDIT = {"rotate": 90, "straighten": 4.0, "crop": (0.1, 0.3, 0.7, 0.9), "exposure": -0.5, "contrast": 1.3}
 PLAN = {"strokes": 12, "exact": True, "paints": 2, "steps": 4, "px": 32, "brush": "marker", "margin": "10mm"}
@@ -42,6 +44,48 @@ def test_a_plan_is_that_of_the_corrected_picture_with_the_same_metrics(painting:
     beside = ms.plan(corrected, **PLAN)  # type: ignore[arg-type]
     assert beside.strokes == painting.strokes
     assert beside.provenance.metrics == painting.provenance.metrics
+
+
+@pytest.mark.parametrize(("px", "kept"), [(None, (3, 4096)), (3000, (4, 5120))])
+@pytest.mark.parametrize("rotate", [0, 90])
+def test_what_a_crop_keeps_is_read_as_finely_as_its_file_and_the_canvas_are(
+    tmp_path: Path, px: int | None, kept: tuple[int, int], rotate: int
+) -> None:
+    Image.new("RGB", (20480, 8)).save(tmp_path / "wide.png")
+    crop = (0.5, 0.5, 0.75, 1) if rotate == 0 else (0.5, 0.5, 1, 0.75)
+    options = PlanOptions(rotate=rotate, crop=crop, px=px)
+    picture = picture_of(PlanRequest(tmp_path / "wide.png", options), None)
+    assert picture is not None
+    assert picture.shape[:2] == (kept if rotate == 0 else kept[::-1])
+    assert picture.base is None  # the rest is not kept in memory
+
+
+@pytest.mark.parametrize(
+    ("options", "high"),
+    [
+        ({}, 1600),
+        ({"px": 512}, 1536),
+        ({"px": 512, "size": "100x300mm-auto"}, 1536),
+        ({"px": 512, "fit": "contain"}, 800),
+    ],
+)
+def test_a_picture_that_covers_a_sheet_of_another_shape_is_read_as_finely_as_the_canvas_is(
+    tmp_path: Path, options: dict[str, Any], high: int
+) -> None:
+    Image.new("L", (8192, 1600)).save(tmp_path / "wide.png")
+    asked = PlanOptions(**{"size": "300x100mm", "fit": "cover", **options})
+    picture = picture_of(PlanRequest(tmp_path / "wide.png", asked), None)
+    assert picture is not None
+    assert picture.shape[0] == high
+
+
+def test_a_crop_is_compared_with_all_of_its_pixels(tmp_path: Path, painting: Painting) -> None:
+    fine = np.random.default_rng(0).integers(0, 2, (8, 8192, 3), np.uint8) * 255
+    Image.fromarray(fine).save(tmp_path / "fine.png")
+    options = {**painting.provenance.options, "crop": [0.0, 0.0, 0.01, 1.0], "straighten": 0.0}
+    provenance = painting.provenance.model_copy(update={"options": options})
+    small = painting.model_copy(update={"provenance": provenance})
+    assert ms.compare(small, tmp_path / "fine.png") == likeness(small, read_picture(tmp_path / "fine.png"))
 
 
 def test_its_provenance_has_the_photograph_and_the_corrections(painting: Painting) -> None:

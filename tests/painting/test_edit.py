@@ -1,4 +1,5 @@
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -42,6 +43,14 @@ def test_what_an_edit_leaves_is_a_picture_of_the_shape_that_it_tells(picture: Pi
     assert edited.max() <= 1
 
 
+@given(PICTURES, EDITS)
+def test_what_is_cut_out_of_a_straightened_picture_is_what_straightening_all_of_it_leaves_there(
+    picture: Pixels, edit: PictureEdit
+) -> None:
+    of_place = replace(edit, exposure=0.0, contrast=1.0)
+    assert of_place.applied(picture) == pytest.approx(edit.cut(edit.turned(picture)), abs=FLOAT32_VALUE)
+
+
 @given(PICTURES, st.sampled_from([90, 180, 270]))
 def test_four_turns_are_none(picture: Pixels, degrees: int) -> None:
     turned = picture
@@ -65,6 +74,14 @@ def test_a_crop_is_a_part_of_the_picture_and_has_a_pixel_at_least(picture: Pixel
     assert min(kept.shape) >= 1
     left, top = min(round(crop[0] * width), width - 1), min(round(crop[1] * height), height - 1)
     assert (kept == picture[top : top + kept.shape[0], left : left + kept.shape[1]]).all()
+
+
+@given(CROPS, st.integers(1, 500))
+def test_a_picture_is_read_so_finely_that_its_crop_has_as_many_pixels_on_either_side(crop: Crop, pixels: int) -> None:
+    side = PictureEdit(crop=crop).read_px(pixels)
+    kept = PictureEdit(crop=crop).shape((side, side))
+    assert min(kept) >= pixels - 1 or side == 100_000_000  # edges fall on pixels; no picture has longer sides
+    assert PictureEdit(crop=WHOLE).read_px(pixels) == pixels
 
 
 def test_a_crop_is_of_the_picture_as_it_is_turned() -> None:

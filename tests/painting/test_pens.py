@@ -75,6 +75,7 @@ def test_a_fitted_pen_comes_before_that_of_its_name_in_the_catalogue_and_has_its
     [
         (MINE.replace("0.0007", "7"), r"width: Input should be less than or equal to 0.1 \(got 7\)"),
         (MINE.replace("0.0007", "0"), "width: Input should be greater than 0"),
+        (MINE.replace("0.0007", "1e-9"), r"width: it must be at least 0.000010 metres \(got 1e-09\)"),
         (MINE.replace("#1A33B2", "blue"), "colour: "),
         (MINE.replace('"Nobody"', '"No\\nbody"'), "printable"),
         ("{}", "maker: Field required"),

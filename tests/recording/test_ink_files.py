@@ -69,6 +69,12 @@ def test_xml_is_read_in_other_encodings(file: Path, encoding: str) -> None:
     assert read_ink_file(file)[1] == "SVG"
 
 
+@pytest.mark.parametrize(("name", "other"), [("SVG", "ink"), ("InkML", "svg")])
+def test_what_a_comment_says_is_not_the_format(file: Path, name: str, other: str) -> None:
+    file.write_bytes(f"<!-- not\nan <{other}> -->".encode() + FILES[name].removeprefix(b'<?xml version="1.0"?>'))
+    assert read_ink_file(file)[1] == name
+
+
 @pytest.mark.parametrize(
     ("points", "drawn"), [("1 1 x 9 9", 0), ("x", 0), ("1 1 9 9 x 20 20", 1), ("1 1 9 9 2", 1), ("", 0), ("1,1 9 9", 1)]
 )

@@ -246,6 +246,7 @@ LINE = '<path d="M10 10H20"/>'
         ("rotate: 90deg; transform-origin: 10px 10px", [[10, 10], [10, 20]]),
         ("transform: scale(2); transform-origin: 10px 0", [[10, 20], [30, 20]]),
         ("transform: translate(1px, 2px); translate: 10%", [[21, 12], [31, 12]]),
+        ("transform: translate(1em, 2px)", [[26, 12], [36, 12]]),
         ("translate: 5px; display: none", None),
     ],
 )
@@ -265,7 +266,30 @@ def test_percentages_of_moves_are_of_the_viewport_that_an_element_lies_in() -> N
     inner = f'<svg width="50" height="50" viewBox="0 0 100 100"><g style="translate: 10% 20%">{LINE}</g></svg>'
     symbol = f'<symbol id="s" viewBox="0 0 40 40"><g style="translate: 50%">{LINE}</g></symbol>'
     assert ends(inner) == [[[10, 15], [15, 15]]]
-    assert ends(f'{symbol}<use xlink:href="#s"/>') == [[[30, 10], [40, 10]]]
+    assert ends(f'{symbol}<use xlink:href="#s" width="40" height="40"/>') == [[[30, 10], [40, 10]]]
+
+
+@pytest.mark.parametrize(
+    ("symbol", "use"),
+    [
+        ('viewBox="0 0 40 40"', ""),
+        ('viewBox="0 0 40 40"', 'x="5" y="10%" width="20" height="1em"'),
+        ('viewBox="10 5 40 40" x="3" y="2" width="30" height="30"', 'transform="rotate(10)" x="7"'),
+        ('viewBox="10 5 40 40" width="30" height="30"', 'style="translate: 5px" height="10"'),
+        ('viewBox="0 0 40 40" preserveAspectRatio="none"', 'width="20" height="10"'),
+        ('x="3" y="2"', 'x="7"'),
+        ('viewBox="0 0 40 40"', 'width="0"'),
+        ('viewBox="0 0 0 40"', 'x="4"'),
+    ],
+)
+def test_a_symbol_is_drawn_where_and_as_large_as_in_drawings(tmp_path: Path, symbol: str, use: str) -> None:
+    whole = 'overflow="visible"'  # drawings end at its edges
+    body = f'<symbol id="s" {whole} {symbol}>{LINE}</symbol><use href="#s" {use}/><path d="M0 0H1"/>'
+    (tmp_path / "drawing.svg").write_text(f'<svg xmlns="http://www.w3.org/2000/svg" {SHEET}>{body}</svg>')
+    drawn = read_drawing(tmp_path / "drawing.svg", DrawingOptions(keep_order=True)).painting.strokes
+    seen = [np.round(1e3 * np.array(stroke.trajectory)[[0, -1], :2], 3).tolist() for stroke in drawn]
+    assert np.round(ends(body), 3).tolist() == seen
+    assert len(seen) == (1 if use == 'width="0"' else 2)
 
 
 @pytest.mark.parametrize(
@@ -275,6 +299,7 @@ def test_percentages_of_moves_are_of_the_viewport_that_an_element_lies_in() -> N
         ('<line x1="10%" y1="10%" x2="50%" y2="10%"/>', [[10, 5], [50, 5]]),
         ('<line x1="10" y1="what" x2="20"/>', [[10, 0], [20, 0]]),
         ('<use href="#line" x="1em"/>', [[26, 10], [36, 10]]),
+        (f'<g transform="translate(1em,2)">{LINE}</g>', [[26, 12], [36, 12]]),
         ('<svg x="10%" y="3" width="50" height="20"><use href="#line"/></svg>', [[20, 13], [30, 13]]),
         ('<svg x="7" y="3" width="50" height="20"><line x2="10%" y2="10%"/></svg>', [[7, 3], [12, 5]]),
         ('<svg x="7" y="3"><line x2="10%" y2="10%"/></svg>', [[7, 3], [17, 8]]),

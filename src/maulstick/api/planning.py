@@ -21,6 +21,7 @@ from maulstick.jobs.plan.results import notes_on
 from maulstick.kinds import check_names, checked
 from maulstick.painting import painting as records
 from maulstick.painting.brush import Brush, in_painting_order, load_brush, names_of
+from maulstick.painting.edit import PictureEdit
 from maulstick.painting.metrics import Metrics
 from maulstick.painting.picture import READ_PX, Picture, image_of
 from maulstick.planning.result import PlanProgress
@@ -139,7 +140,9 @@ def compare(painting: records.Painting | str | Path, picture: Picture) -> Metric
         >>> 0 < compare(painting, demo_picture).psnr < 100
         True
     """
-    return likeness(_read(painting), image_of(picture, longest_px=READ_PX))
+    compared = _read(painting)
+    edit = PictureEdit.of(compared.provenance.options)
+    return likeness(compared, image_of(picture, longest_px=edit.read_px(READ_PX)))
 
 
 def _before(again: records.Painting | str | Path, background: str | Path | None) -> Again:

@@ -29,6 +29,8 @@ SCHEMA_VERSION: Final = 1
 
 _LIST = "trials.json"  # name of the list in the folder
 _LARGEST_LIST = 256 * 2**20  # bytes: some 250,000 strokes
+_FARTHEST = 100.0  # metres, as the largest sheet; more is millimetres that were taken for metres
+_COARSEST, _FINEST = 100.0, 1e6  # pixels per metre: one per centimetre, and one per micrometre
 
 
 @dataclass(frozen=True)
@@ -53,8 +55,21 @@ def _in_the_folder(name: str) -> str:
     return name
 
 
+def _at_hand(metres: float) -> float:
+    if abs(metres) > _FARTHEST:
+        raise ValueError(f"it must be at most {_FARTHEST:g} metres, so divide millimetres by 1000")
+    return metres
+
+
+def _of_photographs(pixels_per_metre: float) -> float:
+    if not _COARSEST <= pixels_per_metre <= _FINEST:
+        raise ValueError(f"it must be from {_COARSEST:.0f} to {_FINEST:.0f} pixels per metre")
+    return pixels_per_metre
+
+
 _Photograph = Annotated[str, AfterValidator(_in_the_folder)]
-_Point = tuple[float, float, Annotated[float, Field(ge=0, le=1)]]
+_Metres = Annotated[float, AfterValidator(_at_hand)]
+_Point = tuple[_Metres, _Metres, Annotated[float, Field(ge=0, le=1)]]
 
 
 class _Part(BaseModel):
@@ -82,8 +97,8 @@ class _List(_Part):
 
     schema_version: Literal[1]
     medium: Name
-    pixels_per_metre: Annotated[float, Field(gt=0)]
-    depth: tuple[float, float]
+    pixels_per_metre: Annotated[float, Field(gt=0), AfterValidator(_of_photographs)]
+    depth: tuple[_Metres, _Metres]
     paper: _Photograph | None = None
     strokes: Annotated[tuple[_Stroke, ...], AfterValidator(_each_once)]
 

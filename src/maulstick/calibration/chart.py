@@ -25,6 +25,7 @@ _ACROSS, _DOWN = 6, 4  # patches of the chart
 _INNER = 0.4  # side of the part of a patch that is read, in distances between patches: it avoids the borders
 _MISREAD = 12.0  # mean CIEDE2000 after correction above which these are not the chart's patches
 _FEWEST = 4  # pixels in the part of a patch that is read
+_NOT_SEEN = "the chart is too small or reaches beyond the sheet; lay all of it on the sheet"
 _DARKEST = 1e-3  # least light, so that no division is by zero
 _UNEVEN = 1.5  # times that the bright tenth of a grey card may be as light as its dark tenth: gloss, never an edge
 _BARE = 0.05  # share of its light by which bare paper differs from itself: exposure is corrected to 1 %
@@ -52,7 +53,7 @@ def with_chart(
     OpenCV's detector finds a chart one time and not the next in the same picture.
     Raises InputError where the patches there are not those of the chart.
     """
-    patches = _patches_between(np.asarray(corners, dtype=np.float64) * canvas.pixels_per_metre - 0.5)
+    patches = _patches_between(np.asarray(corners, dtype=np.float64), canvas)
     light = _medians(colours.evened(flat, whites), patches)
     matrix = np.linalg.lstsq(light, light_of(CHART.astype(np.float32)).astype(np.float64), rcond=None)[0].T
     errors = ColourErrors(_error(_medians(light_of(flat), patches)), _error(light @ matrix.T))
@@ -93,27 +94,36 @@ def with_grey_card(
     return colours.with_matrix(np.diag(wanted.astype(np.float64) / np.maximum(light, _DARKEST)))
 
 
-def _patches_between(corners: Floats) -> Floats:
-    """Return the corners (24, 4, 2) of the inner part of each patch, from the middles (4, 2) of the corner ones."""
+def _patches_between(corners: Floats, canvas: Canvas) -> Floats:
+    """Return the corners (24, 4, 2) of the inner part of each patch, pixels.
+
+    corners: (4, 2) metres, the middles of the corner ones. Raises InputError where they are not four on the canvas.
+    """
     if corners.shape != (4, 2) or not np.isfinite(corners).all():
         raise InputError("the chart's corners must be four points: dark skin, bluish green, black and white")
+    if not ((corners >= 0) & (corners <= (canvas.width, canvas.height))).all():
+        raise InputError(_NOT_SEEN)
+    corners = corners * canvas.pixels_per_metre - 0.5
     grid = np.array([[0, 0], [_ACROSS - 1, 0], [_ACROSS - 1, _DOWN - 1], [0, _DOWN - 1]], dtype=np.float32)
     to_picture = opencv().getPerspectiveTransform(grid, corners.astype(np.float32))
     middles = np.stack(np.meshgrid(np.arange(_ACROSS), np.arange(_DOWN)), axis=-1).reshape(-1, 1, 2)
     square = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) / 2
     mapped = np.append(middles + square * _INNER, np.ones((24, 4, 1)), axis=-1) @ np.asarray(to_picture).T
-    return np.asarray(mapped[..., :2] / mapped[..., 2:])
+    with np.errstate(divide="ignore", invalid="ignore"):  # of corners in no order of a chart's
+        return np.asarray(mapped[..., :2] / mapped[..., 2:])
 
 
 def _medians(light: Image, patches: Floats) -> Floats:
     """Return the median light (24, 3) over each of the patches (24, 4, 2), pixels."""
     cv2 = opencv()
     medians = []
+    if not (np.abs(patches) < 2 * max(light.shape)).all():  # which may be infinitely far
+        raise InputError(_NOT_SEEN)
     for patch in patches:
         mask = np.zeros(light.shape[:2], dtype=np.uint8)
         cv2.fillConvexPoly(mask, np.round(patch).astype(np.int32), 1)
         if mask.sum() < _FEWEST:
-            raise InputError("the chart is too small or reaches beyond the sheet; lay all of it on the sheet")
+            raise InputError(_NOT_SEEN)
         medians.append(np.median(light[mask > 0], axis=0))
     return np.array(medians, dtype=np.float64)
 

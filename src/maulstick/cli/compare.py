@@ -24,7 +24,8 @@ from maulstick.painting.painting import Painting
 from maulstick.painting.painting_file import read_painting
 from maulstick.painting.picture import READ_PX, read_picture
 from maulstick.painting.raster import Canvas
-from maulstick.storage.files import atomic_write
+from maulstick.storage.arrays import Pixels
+from maulstick.storage.files import atomic_write, file_to_read
 from maulstick.storage.text import counted
 
 if TYPE_CHECKING:
@@ -50,7 +51,7 @@ def compare(
     """
     check_picture(out, px, overwrite)
     plans = _read(paintings)
-    picture = None if photo is None else read_picture(photo, longest_px=READ_PX)
+    picture = None if photo is None else _read_for(plans, photo)
 
     from maulstick.plots.compare import Panel, compare_plot
     from maulstick.rendering.likeness import likeness as likeness_to
@@ -80,6 +81,11 @@ def compare(
     print(out, flush=True)
 
 
+def _read_for(plans: Sequence[Painting], photo: Path) -> Pixels:
+    """Read a photograph as finely as any of the plans needs the part of it that it keeps."""
+    return read_picture(photo, max(PictureEdit.of(plan.provenance.options).read_px(READ_PX) for plan in plans))
+
+
 def _read(paths: Sequence[Path]) -> list[Painting]:
     """Read two to six paintings. Raises InputError for another number, one named twice, and files of other kinds."""
     if not 2 <= len(paths) <= _MOST:
@@ -89,7 +95,7 @@ def _read(paths: Sequence[Path]) -> list[Painting]:
         if (place := os.path.realpath(path)) in seen:
             raise InputError(f"{path} is named twice; name each painting once")
         seen.add(place)
-        kind = kind_in(path)
+        kind = kind_in(file_to_read(path, "painting"))
         if kind not in (None, "painting"):
             remedy = "use maulstick style compare" if kind == "style" else "name a painting.json"
             raise InputError(f"{path} holds {kind}, and paintings are compared; {remedy}")

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from functools import partial
+from itertools import islice
 from math import isfinite, radians
 from pathlib import Path
 from typing import Annotated, TypeVar
@@ -28,7 +29,7 @@ from maulstick.storage.text import counted
 from maulstick.strokes.ink import read_ink
 
 _HELD = 0.5  # pressure of drawn strokes without any: half as deep as a brush goes
-_MOST_IDS = 1_000_000  # in a range: more than any painting has strokes
+_DIGITS = 18  # of a number; Python reads none of thousands
 
 _SAY_SIZE = "; say it with maulstick record ink --size, and add that ink"
 
@@ -115,7 +116,7 @@ def _index(number: int, painting: Painting) -> int:
 
 def _drawn(text: str, painting: Painting) -> list[AddStroke]:
     number, colon, file = text.partition(":")
-    if not (colon and number.isdecimal()):
+    if not (colon and _is_number(number)):
         raise InputError(f"--add is {text!r}; it must be a paint's number and a file, as in 2:signature.json")
     from maulstick.recording.files.ink_files import read_ink_file  # loads parsers
 
@@ -160,13 +161,17 @@ def _ids(text: str, name: str, painting: Painting) -> tuple[int, ...]:
             ids.extend(of_region)
             continue
         first, dash, last = part.partition("-")
-        if not (first.isdecimal() and (last.isdecimal() or not dash)):
+        if not (_is_number(first) and (_is_number(last) or not dash)):
             raise InputError(f"{name} names {part!r}; strokes are named by their ids, as in 3,7-12, or a region's name")
         begin, end = int(first), int(last or first)
-        if not begin <= end < begin + _MOST_IDS:
+        if begin > end:
             raise InputError(f"{name} names {part!r}; a range goes from a smaller id to a larger one, as in 7-12")
-        ids.extend(range(begin, end + 1))
+        ids.extend(islice(range(begin, end + 1), len(painting.strokes) + 1))  # of more, one of these is not there
     return tuple(ids)
+
+
+def _is_number(text: str) -> bool:
+    return text.isdecimal() and len(text) <= _DIGITS
 
 
 def _finite(text: str) -> float:

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from maulstick.errors import InputError, OutputError
-from maulstick.storage.folders import as_output_error
+from maulstick.storage.folders import as_output_error, check_no_file
 
 
 def check_absent(path: Path, option: str, overwrite: bool) -> None:
@@ -31,7 +31,6 @@ def check_other(path: Path, option: str, read: Mapping[str, Path | None]) -> Non
 def check_free(out: Path, overwrite: bool) -> None:
     """Raise OutputError where `out` is a file, or a folder with files in it that are not to be overwritten."""
     with as_output_error(out):
-        if out.exists() and not out.is_dir():
-            raise OutputError(f"{out} is a file, not a folder; choose another --out")
+        check_no_file(out)
         if out.is_dir() and any(out.iterdir()) and not overwrite:
             raise OutputError(f"the folder {out} is not empty; choose another --out, or add --overwrite")

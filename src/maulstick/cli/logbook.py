@@ -5,7 +5,7 @@ from rich.table import Table
 from rich.text import Text
 
 from maulstick.robot.logbook import logbook_path, read_logbook, totals
-from maulstick.robot.machines import check_spec, is_simulated
+from maulstick.robot.machines import SIMULATED_SPECS, check_spec
 from maulstick.storage.text import counted
 
 
@@ -16,7 +16,7 @@ def print_logbook(machine: str | None) -> None:
     """
     runs = [run for run in read_logbook() if machine in (None, run.machine)]
     if not runs:
-        if machine is not None and not is_simulated(machine):
+        if machine is not None and machine not in SIMULATED_SPECS:
             check_spec(machine)
         nothing = "no real machine has painted" if machine is None else f"nothing was painted on {machine}"
         print(f"{nothing} so far (the simulated easel is not counted)")

@@ -6,13 +6,13 @@ from typing import Final, Self
 from xml.etree.ElementTree import Element, ParseError
 
 from defusedxml import DefusedXmlException  # type: ignore[import-untyped]
-from svgelements import Matrix, Viewbox  # type: ignore[import-untyped]
+from svgelements import Matrix  # type: ignore[import-untyped]
 
 from maulstick.errors import InputError
 from maulstick.recording.files.css import Style
 from maulstick.recording.files.lengths import Viewport, page_side
 from maulstick.recording.files.markup import parsed
-from maulstick.recording.files.svg_paths import PAGE, view_box
+from maulstick.recording.files.svg_paths import PAGE, view_box, viewed
 from maulstick.recording.files.transforms import transform_of
 
 SVG_SPACE: Final = "http://www.w3.org/2000/svg"
@@ -76,15 +76,3 @@ class Page:
         matrix, viewport = viewed(root, (0.0, 0.0, width, height))
         moved = transform_of(style, width, height, "center")
         return cls(width, height, matrix * moved, viewport, said)
-
-
-def viewed(element: Element, place: tuple[float, float, float, float]) -> tuple[Matrix, Viewport]:
-    """Return the matrix from the inside of an element with a viewBox to its outside, and the viewport inside.
-
-    place: x, y, width and height of the element outside.
-    """
-    view = view_box(element)
-    if view is None:
-        return Matrix.translate(*place[:2]), Viewport(*place[2:])
-    aspect = " ".join(element.get("preserveAspectRatio", "xMidYMid").replace("defer", "").split())
-    return Matrix(Viewbox.viewbox_transform(*place, *view, aspect or "xMidYMid")), Viewport(*view[2:])

@@ -12,7 +12,7 @@ from xml.etree.ElementTree import Element
 import numpy as np
 from svgelements import Matrix  # type: ignore[import-untyped]
 
-from maulstick.drawing.document import INKSCAPE, SVG_SPACE, Page, viewed
+from maulstick.drawing.document import INKSCAPE, SVG_SPACE, Page
 from maulstick.drawing.geometry import is_shape, outline
 from maulstick.drawing.lines import bounds_of
 from maulstick.errors import InputError
@@ -21,7 +21,7 @@ from maulstick.recording.files.css import GEOMETRY, MOVES, Rgb, Style, colour_of
 from maulstick.recording.files.lengths import Viewport
 from maulstick.recording.files.markup import local_name
 from maulstick.recording.files.style_sheet import StyleSheet
-from maulstick.recording.files.svg_paths import numbers
+from maulstick.recording.files.svg_paths import link_of, numbers, viewed
 from maulstick.recording.files.transforms import moved, transform_of
 from maulstick.storage.arrays import Floats
 
@@ -209,7 +209,7 @@ class Walk:
         return Group(element.get(f"{INKSCAPE}label") or name, is_layer, is_own)
 
     def _used(self, element: Element, place: _Place) -> Iterator[Shape]:
-        link = element.get("href") or element.get("{http://www.w3.org/1999/xlink}href") or ""
+        link = link_of(element)
         if link and not link.startswith("#"):
             raise InputError(f"it uses {link[:60]!r} of another file; copy that into the drawing")
         target = self._named.get(link[1:])

@@ -291,7 +291,9 @@ def load_pen_brush(name: str) -> tuple[Brush, str | None]:
         raise InputError.of_choice("pen", name, [*pens, "a brush of constant width"])
     brush = load_brush(name)
     if brush.pressure_matters:
-        raise InputError(f"the width of the brush {name} varies with pressure, so it is no pen; name it as a brush")
+        raise InputError(
+            f"the width of the brush {name} varies with pressure, so it is no pen; plan with it as a brush"
+        )
     return brush, load_pen(name).colour if name in pens else None
 
 

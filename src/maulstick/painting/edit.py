@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
-from math import cos, isfinite, radians, sin
+from math import ceil, cos, isfinite, radians, sin
 from typing import Any, Final, Self
 
 import numpy as np
@@ -14,6 +14,8 @@ from maulstick.storage.arrays import Pixels
 
 Crop = tuple[float, float, float, float]
 """Left, top, right and lower edge of what is kept, shares of the width and height of the picture as it is turned."""
+
+_Box = tuple[int, int, int, int]  # left, upper, right and lower edge, pixels
 
 WHOLE: Final[Crop] = (0.0, 0.0, 1.0, 1.0)
 """Crop that keeps all of a picture."""
@@ -30,6 +32,7 @@ MOST_STOPS: Final = 5.0
 CONTRASTS: Final = (0.1, 10.0)
 """Least and largest factor of contrast: nearly one grey, and nearly black and white."""
 
+_MOST_READ_PX = 100_000_000  # of a side: as many as the largest picture that is read has in all
 _GREY = 0.5  # sRGB that contrast leaves as it is: the middle of what the eye tells apart, L* 53
 
 
@@ -71,26 +74,30 @@ class PictureEdit:
             given["crop"] = tuple(crop)
         return cls(**given)
 
+    def read_px(self, pixels: int) -> int:
+        """Return the length in pixels to read either side of a picture at, so that the crop keeps so many of it."""
+        left, top, right, bottom = self.crop
+        return ceil(min(pixels / min(right - left, bottom - top), _MOST_READ_PX))
+
     def applied(self, picture: Pixels) -> Pixels:
         """Return the picture (H, W, 3), sRGB in [0, 1], with these corrections, (h, w, 3)."""
-        return self.toned(self.cut(self.turned(picture)))
+        picture = self._upright(picture)
+        return self.toned(_straightened(picture, self.straighten, self._edges(*picture.shape[:2])))
 
     def shape(self, picture: tuple[int, ...]) -> tuple[int, int]:
         """Return the shape (h, w) of what it leaves of a picture of this shape (H, W, ...)."""
         height, width = picture[:2] if self.rotate % 180 == 0 else picture[1::-1]
-        (top, bottom), (left, right) = self._edges(height, width)
+        left, top, right, bottom = self._edges(height, width)
         return bottom - top, right - left
 
     def turned(self, picture: Pixels) -> Pixels:
         """Return the picture (H, W, 3) turned and straightened."""
-        if self.rotate:
-            picture = np.ascontiguousarray(np.rot90(picture, -self.rotate // 90))
-        return _straightened(picture, self.straighten) if self.straighten else picture
+        picture = self._upright(picture)
+        return _straightened(picture, self.straighten, (0, 0, picture.shape[1], picture.shape[0]))
 
     def cut(self, picture: Pixels) -> Pixels:
         """Return what the crop keeps of a picture (H, W, 3)."""
-        (top, bottom), (left, right) = self._edges(*picture.shape[:2])
-        return picture[top:bottom, left:right]
+        return _straightened(picture, 0.0, self._edges(*picture.shape[:2]))
 
     def toned(self, picture: Pixels) -> Pixels:
         """Return the picture (H, W, 3) exposed, and with its contrast."""
@@ -100,10 +107,15 @@ class PictureEdit:
             picture = (_GREY + np.float32(self.contrast) * (picture - np.float32(_GREY))).clip(0, 1)
         return picture.astype(np.float32, copy=False)
 
-    def _edges(self, height: int, width: int) -> tuple[tuple[int, int], tuple[int, int]]:
-        """Return the first row that the crop keeps and the one after the last, and of columns the same."""
+    def _upright(self, picture: Pixels) -> Pixels:
+        """Return a view of the picture (H, W, 3), turned."""
+        return np.rot90(picture, -self.rotate // 90)
+
+    def _edges(self, height: int, width: int) -> _Box:
+        """Return the first column and row that the crop keeps, and those after the last."""
         left, top, right, bottom = self.crop
-        return _kept(top, bottom, height), _kept(left, right, width)
+        (first, last), (upper, lower) = _kept(left, right, width), _kept(top, bottom, height)
+        return first, upper, last, lower
 
 
 def _kept(first: float, last: float, length: int) -> tuple[int, int]:
@@ -112,9 +124,16 @@ def _kept(first: float, last: float, length: int) -> tuple[int, int]:
     return begin, max(round(last * length), begin + 1)
 
 
-def _straightened(picture: Pixels, degrees: float) -> Pixels:
-    """Return the picture (H, W, 3) turned about its middle and enlarged, so that it fills its frame."""
+def _straightened(picture: Pixels, degrees: float, box: _Box) -> Pixels:
+    """Return the box of a picture (H, W, 3) turned about its middle and enlarged, so that it fills its frame.
+
+    A part is a copy, or it would keep the whole in memory.
+    """
+    left, top, right, bottom = box
     height, width = picture.shape[:2]
+    if not degrees:
+        part = picture[top:bottom, left:right]
+        return np.ascontiguousarray(part) if part.shape == picture.shape else part.copy()
     along, across = cos(radians(degrees)), sin(radians(degrees))
     scale = min(
         height / (height * along + width * abs(across)),
@@ -122,13 +141,14 @@ def _straightened(picture: Pixels, degrees: float) -> Pixels:
     )
     a, b, c, d = scale * along, scale * across, -scale * across, scale * along
     x, y = width / 2, height / 2
-    matrix = (a, b, x - a * x - b * y, c, d, y - c * x - d * y)  # from a place in the result to one in the picture
-    channels = [Image.fromarray(np.ascontiguousarray(picture[..., i])) for i in range(picture.shape[2])]
-    turned = [
-        np.asarray(channel.transform((width, height), Image.Transform.AFFINE, matrix, Image.Resampling.BICUBIC))
-        for channel in channels
-    ]
-    return np.stack(turned, axis=2).clip(0, 1)
+    from_x, from_y = left - x, top - y
+    matrix = (a, b, x + a * from_x + b * from_y, c, d, y + c * from_x + d * from_y)  # from the result to the picture
+    turned = np.empty((bottom - top, right - left, 3), dtype=picture.dtype)
+    for i in range(3):
+        channel = Image.fromarray(np.ascontiguousarray(picture[..., i]))
+        size = right - left, bottom - top
+        turned[..., i] = np.asarray(channel.transform(size, Image.Transform.AFFINE, matrix, Image.Resampling.BICUBIC))
+    return turned.clip(0, 1)
 
 
 def _is_crop(crop: object) -> bool:

@@ -27,6 +27,15 @@ PrintableName = Annotated[str, Field(min_length=1), AfterValidator(_printable)]
 """Name of one printable character or more."""
 
 
+_THINNEST = 1e-5  # metres: a tenth of the thinnest line that a pen is made for
+
+
+def _seen(width: float) -> float:
+    if width < _THINNEST:
+        raise ValueError(f"it must be at least {_THINNEST:f} metres")
+    return width
+
+
 class PenModel(BaseModel):
     """A model of pen.
 
@@ -39,7 +48,7 @@ class PenModel(BaseModel):
     maker: PrintableName
     model: PrintableName
     kind: PrintableName
-    width: Annotated[float, Field(gt=0, le=0.1, allow_inf_nan=False)]
+    width: Annotated[float, Field(gt=0, le=0.1, allow_inf_nan=False), AfterValidator(_seen)]
     colour: Annotated[str, Field(pattern=r"^#[0-9a-fA-F]{6}$")] = "#000000"
 
     @property

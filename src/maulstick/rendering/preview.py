@@ -66,8 +66,7 @@ def preview_of_height(painting: Painting, px: int) -> Image:
     """
     if px % 1:
         raise InputError.of_range(option("px"), px, "a whole number")
-    longest = px * max(1.0, painting.sheet.width / painting.sheet.height)
-    if not 1 <= px <= longest <= _LARGEST_PX:
+    if not 1 <= px <= _LARGEST_PX / max(1.0, painting.sheet.width / painting.sheet.height):
         raise InputError.of_range(option("px"), px, f"at least 1, with no side of the image above {_LARGEST_PX}")
     return preview(painting, Canvas.of_height((painting.sheet.width, painting.sheet.height), px))
 

@@ -11,7 +11,10 @@ from maulstick.robot.robot import Robot
 REAL_SPECS: Final = "grbl:/dev/ttyUSB0, axidraw, axidraw:/dev/ttyACM0, xarm:IP, lite6:IP, franka:IP, ur:IP"
 """Specs of the machines that `machine` makes, as examples for people."""
 
-SPECS: Final = f"sim, sim:pens, sim:real, {REAL_SPECS}"
+SIMULATED_SPECS: Final = ("sim", "sim:pens", "sim:real")
+"""Specs of the simulated easel."""
+
+SPECS: Final = f"{', '.join(SIMULATED_SPECS)}, {REAL_SPECS}"
 """The same, and those of the simulated easel."""
 
 FILE: Final = "hpgl"
@@ -46,6 +49,8 @@ def only_lifts(spec: str) -> bool:
 def check_spec(spec: str) -> None:
     """Raise InputError for a spec that names no machine that `machine` makes, or does not say where it is."""
     name, _, address = spec.partition(":")
+    if name == FILE:
+        raise InputError(f"a plotter of {FILE} is not driven, but draws a file; write that with maulstick export")
     if name not in _MACHINES:
         raise InputError(f"there is no machine {spec!r}; there are: {SPECS}")
     if not address and name != "axidraw":

@@ -11,6 +11,7 @@ from maulstick.errors import InputError, OutputError, option
 MAKE_ROOM: Final = "make room for it there"
 """Remedy where nothing can be written into a folder that is not to be another."""
 
+_OTHER = f"choose another {option('out')}"
 _ROOM = 2**20  # bytes, about what a painting takes: room that must be free before the work begins
 
 
@@ -21,6 +22,7 @@ def made_folder(out: Path, remedy: str | None = None) -> Iterator[None]:
     Raises OutputError, with a remedy as `as_output_error`, where the folder cannot be made or written.
     """
     with as_output_error(out, remedy):
+        check_no_file(out, remedy)
         made = [folder for folder in (out, *out.parents) if not folder.exists()]
     try:
         with as_output_error(out, remedy):
@@ -32,6 +34,12 @@ def made_folder(out: Path, remedy: str | None = None) -> Iterator[None]:
         for folder in made:
             with suppress(OSError):  # not empty
                 folder.rmdir()
+
+
+def check_no_file(out: Path, remedy: str | None = None) -> None:
+    """Raise OutputError, with a remedy as `as_output_error`, where a file is in the place of the folder `out`."""
+    if out.exists() and not out.is_dir():
+        raise OutputError(f"{out} is a file, not a folder; {remedy or _OTHER}")
 
 
 @contextmanager
@@ -76,5 +84,5 @@ def as_output_error(out: Path, remedy: str | None = None) -> Iterator[None]:
     except OutputError:
         raise
     except OSError as error:
-        remedy = remedy or f"choose another {option('out')}"
-        raise OutputError(f"cannot write into the folder {out}: {error.strerror or error}; {remedy}") from error
+        told = f"cannot write into the folder {out}: {error.strerror or error}"
+        raise OutputError(f"{told}; {remedy or _OTHER}") from error

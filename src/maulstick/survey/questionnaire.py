@@ -166,6 +166,8 @@ def build(folder: str | Path, title: str, match: Match | None, opinions: Opinion
 def read_survey(folder: str | Path) -> Survey:
     """Read the survey in a folder. Raises InputError where there is none, a picture is missing, or a file is a link."""
     folder = Path(folder)
+    if folder.is_file():
+        raise InputError(f"{folder} is a file; name the folder of the survey, the one with {_RECORD} in it")
     check_no_link(folder / _RECORD, "survey")
     survey = read_record(Survey, folder / _RECORD, "survey")
     for picture in survey.pictures():

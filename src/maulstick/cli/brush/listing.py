@@ -1,12 +1,16 @@
 """``maulstick brush list`` and ``pens``: list all brushes, and the catalogue of pens."""
 
+from collections.abc import Mapping
+from contextlib import suppress
+from pathlib import Path
+
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
 from maulstick.cli.wording import COMMAND_LINE
 from maulstick.errors import InputError
-from maulstick.painting.brush import BRUSHES, load_brush, load_pen_brush
+from maulstick.painting.brush import BRUSHES, Brush, load_brush, load_pen_brush
 from maulstick.painting.pens import PENS, load_pen
 
 
@@ -32,7 +36,9 @@ def list_brushes() -> None:
 
 
 def list_pens() -> None:
-    """List the pens of the catalogue, and your own, with the widths that their makers state.
+    """List the pens of the catalogue, with the widths that their makers state, and your own.
+
+    Your own brushes of constant width are pens as well.
 
     Example: maulstick brush pens
     """
@@ -51,4 +57,17 @@ def list_pens() -> None:
         else:
             width, told = f"{1e3 * pen.width:g} mm", f"{'' if PENS.is_built_in(path) else 'your own: '}{pen.label}"
         table.add_row(name, width, pen.colour, Text(pen.kind), Text(told))
+    for name, brush in _own_of_one_width(brushes).items():
+        table.add_row(name, f"{2e3 * brush.widest:.3g} mm", "", "", Text(f"your own brush: {brush.source}"))
     Console().print(table)
+
+
+def _own_of_one_width(brushes: Mapping[str, Path]) -> dict[str, Brush]:
+    """Return the user's brushes whose width is constant, by name; without those that have a pen's name."""
+    found: dict[str, Brush] = {}
+    for name, path in brushes.items():
+        if name in PENS.paths() or BRUSHES.is_built_in(path):
+            continue
+        with suppress(InputError):  # `brush list` tells what is wrong with its file
+            found[name] = load_brush(name)
+    return {name: brush for name, brush in found.items() if not brush.pressure_matters}

@@ -13,6 +13,7 @@ from maulstick.errors import InputError, Remedy, needs_torch, option
 from maulstick.jobs.paint.operator import Operator
 from maulstick.jobs.paint.options import PaintOptions
 from maulstick.jobs.paint.simulation import Simulation
+from maulstick.painting.edit import PictureEdit
 from maulstick.painting.painting import Painting
 from maulstick.painting.picture import READ_PX, encode_png, read_picture
 from maulstick.painting.raster import flat_canvas
@@ -49,11 +50,11 @@ class Replanning:
         if not (options.replan or options.look):
             if (
                 options.replan is None
-                and (options.camera, options.picture, options.view, options.colours) != (None,) * 4
+                and (options.camera, options.picture, options.view, options.tag, options.colours) != (None,) * 5
             ):
                 raise InputError(
-                    f"{option('camera')}, {option('picture')}, {option('view')} and {option('colours')} are for "
-                    f"{option('replan')}; add it, or leave them out"
+                    f"{option('camera')}, {option('picture')}, {option('view')}, {option('tag')} and "
+                    f"{option('colours')} are for {option('replan')}; add it, or leave them out"
                 )
             return None
         if options.picture is None:
@@ -109,7 +110,8 @@ class Replanning:
         """Paint what is left of the plan, and plan the rest again on the way; returns the machine's load at the end."""
         from maulstick.jobs.paint.camera_loop import paint_by_eye, replanned
 
-        picture = read_picture(self.picture, longest_px=READ_PX)
+        edit = PictureEdit.of(plan.provenance.options)
+        picture = read_picture(self.picture, longest_px=edit.read_px(READ_PX))
         journal, first = workplace.journal, workplace.easel
 
         def look() -> tuple[Image, Easel]:

@@ -91,8 +91,8 @@ class Again:
         more = [brush for brush in named if brush.name not in before]
         if more and before and is_in_ink(self.painting):
             raise InputError(
-                f"the painting is drawn in ink with {','.join(before)}, and ink is drawn with one brush; leave out "
-                f"{option('brush')}, or plan anew"
+                f"the painting is drawn in ink with {','.join(before)}, and ink is drawn with one brush; name that "
+                f"one with {option('brush')}, or plan anew"
             )
         return in_painting_order([*(own[name] for name in before), *more])
 

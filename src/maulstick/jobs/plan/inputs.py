@@ -5,7 +5,7 @@ import numpy as np
 from maulstick.colour.palette import parse_colour
 from maulstick.colour.tubes import NamedPaint
 from maulstick.errors import InputError, option
-from maulstick.jobs.plan.options import AUTO, MOST_AUTO, PlanOptions
+from maulstick.jobs.plan.options import AUTO, MOST_AUTO, PlanOptions, no_ink_to_count
 from maulstick.jobs.plan.request import PlanRequest
 from maulstick.painting.brush import Brush
 from maulstick.painting.edit import NO_EDIT
@@ -112,10 +112,7 @@ def not_a_paint(colour: Colour) -> InputError:
 def enough(supply: InkSupply | None) -> int:
     """Return the number of strokes that give the ink of a picture, at most `MOST_AUTO`."""
     if supply is None:
-        raise InputError(
-            f"{option('strokes')} is {AUTO}, which counts strokes of a hand for ink; give {option('style')} and "
-            f"{option('ink')}, or a number"
-        )
+        raise no_ink_to_count()
     return min(supply.enough, MOST_AUTO)
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
+from math import ceil
 from pathlib import Path
 from typing import Any, Final, Literal
 
@@ -213,12 +214,12 @@ class PlanOptions:
     @property
     def read_px(self) -> int:
         """Longest side of the picture as it is read, pixels, where its shorter one has `least_px` or more."""
-        return max(READ_PX, _FINER * (self.px or 0))
+        return self.edit.read_px(max(READ_PX, _FINER * (self.px or 0)))
 
     @property
     def least_px(self) -> int:
-        """Least pixels of the picture's shorter side as it is read: a long one is as fine as its mural, too."""
-        return self.px or 0
+        """Least pixels of the picture's shorter side as it is read: a long one is as fine as its canvas, too."""
+        return self.edit.read_px(self._covered_px if self.fit == "cover" else self.px or 0)
 
     @property
     def inks(self) -> tuple[str, ...]:
@@ -245,6 +246,22 @@ class PlanOptions:
         """Whether any option of CLIP is given, so that CLIP is the network."""
         return any(value is not None for value in (self.clip, self.clip_weights, self.clip_layers))
 
+    @property
+    def _covered_px(self) -> int:
+        """Pixels of the canvas's longer side, which either side of a picture may have to cover."""
+        if self.px is None:
+            return READ_PX // _FINER
+        size = parse_sheet(self.size, None)
+        width, height = (side - 2 * parse_margin(self.margin, size) for side in size)
+        if is_turned_by_picture(self.size):
+            height, width = sorted((width, height))
+        return ceil(self.px * max(width / height, 1))
+
+    def check_counted(self) -> None:
+        """Raise InputError where strokes are to be counted for ink, and options of a new plan ask for none."""
+        if self.strokes == AUTO and (self.ink, self.paints_from, self.again) == (None, None, None):
+            raise no_ink_to_count()
+
     def _check_paints(self) -> None:
         given = {"paints": self.paints, "ink": self.ink, "paints_from": self.paints_from}
         ways = [option(name) for name, value in given.items() if value is not None]
@@ -253,6 +270,14 @@ class PlanOptions:
         strokes = MOST_AUTO if self.strokes == AUTO else self.strokes
         if self.paints is not None:
             check_whole("paints", self.paints, 1, strokes, f"from 1 to the {counted(strokes, 'stroke')}")
+
+
+def no_ink_to_count() -> InputError:
+    """Return the fault of strokes that are to be counted where no hand draws in ink."""
+    return InputError(
+        f"{option('strokes')} is {AUTO}, which counts strokes of a hand for ink; give {option('style')} and "
+        f"{option('ink')}, or a number"
+    )
 
 
 def colours_in(said: str) -> tuple[str, ...]:

@@ -49,6 +49,7 @@ def prepare(
     brushes, style, again: replace those that the options name.
     Raises InputError for the first file that cannot be used, and for contradictions.
     """
+    request.options.check_counted()
     options, device = request.options, choose_device(request.options.device)
     again, picture = again or Again.of(options), picture_of(request, image)
     sheet = sheet_of(options, picture)
@@ -158,12 +159,22 @@ def _held(brushes: tuple[Brush, ...], options: PlanOptions) -> tuple[tuple[Brush
 
 
 def _tubes(options: PlanOptions) -> tuple[NamedPaint, ...]:
-    """Return the paints of a file. Raises InputError for more than a new plan has strokes."""
+    """Return the paints of a file. Raises InputError for two of one colour, and for more than strokes."""
     tubes = read_paints(options.paints_from) if options.paints_from is not None else ()
-    if options.again is None and options.strokes != AUTO and len(tubes) > options.strokes:
+    if options.again is not None:
+        return tubes
+    if options.strokes != AUTO and len(tubes) > options.strokes:
         raise InputError.of_range(
             "the number of paints", len(tubes), f"at most the {counted(options.strokes, 'stroke')}"
         )
+    names: dict[str, str] = {}
+    for tube in tubes:
+        colour = hex_colour(tube.colour)
+        if (other := names.setdefault(colour, tube.name)) != tube.name:
+            raise InputError(
+                f"{options.paints_from}: {other!r} and {tube.name!r} are both {colour}, and a painting tells its "
+                "paints by colour; leave out one of them"
+            )
     return tubes
 
 

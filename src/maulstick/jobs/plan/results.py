@@ -34,7 +34,7 @@ def notes_on(painting: Painting) -> list[str]:
         return []
     return [
         "no stroke is left, for none brings the sheet nearer to what is asked for; take inks or paints that show on "
-        "its paper, a picture that is not blank, or more or larger strokes"
+        "its paper, a picture that it does not show yet, or more or larger strokes"
     ]
 
 

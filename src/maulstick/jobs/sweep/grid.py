@@ -121,11 +121,18 @@ class Grid(BaseModel):
             picture, given = picture or picture_near(painting, file), {**kept_options(painting, given), **given}
         if picture is None and given.get("text") is None:
             raise InputError("there is nothing to paint; give the axes or the options a picture, or a text")
+        for each, value in given.items():
+            if isinstance(value, bool) and each != "exact":  # which would be read as 0 or 1
+                raise InputError(f"the cell {name}: {each} is true or false, as only exact can be")
         try:
-            return Cell(name, values, _REQUEST.validate_python({"picture": picture, "options": given}))
+            request = _REQUEST.validate_python({"picture": picture, "options": given})
+            request.options.check_counted()
         except ValidationError as error:
             ours = error.errors()[0].get("ctx", {}).get("error")
             raise InputError(f"the cell {name}: {ours or validation_fault(error)}") from error
+        except InputError as error:
+            raise InputError(f"the cell {name}: {error}") from error
+        return Cell(name, values, request)
 
 
 _REQUEST = TypeAdapter(PlanRequest)

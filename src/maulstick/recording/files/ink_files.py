@@ -29,6 +29,7 @@ _UNTOLD = (
     KeyError,
     TypeError,
 )  # of parsers that stumble: their texts say nothing of a drawing
+_COMMENT = re.compile(rb"<!--.*?(?:-->|$)", re.DOTALL)
 _START = 64 * 2**10  # bytes in which the outermost element of XML must begin
 
 
@@ -84,7 +85,8 @@ def _reader(content: bytes, path: Path) -> tuple[str, Callable[[bytes], Page]]:
         raise InputError(f"{path} is compressed, as an SVG may be; save it as plain SVG")
     if start[:1] == b"{":
         return "pointer events", read_pointer_events
-    outermost = re.search(rb"<(?:[\w.-]+:)?(svg|ink)[\s/>]", start.replace(b"\0", b""))  # UTF-16 is ASCII with zeros
+    told = _COMMENT.sub(b"", start.replace(b"\0", b""))  # UTF-16 is ASCII with zeros
+    outermost = re.search(rb"<(?:[\w.-]+:)?(svg|ink)[\s/>]", told)
     if outermost is not None:
         return ("SVG", read_svg) if outermost[1] == b"svg" else ("InkML", read_inkml)
     raise InputError(f"{path} is none of the drawings that can be read; there are: {FORMATS}")

@@ -3,11 +3,14 @@
 import re
 from dataclasses import dataclass
 from math import hypot
+from typing import Final
 from xml.etree.ElementTree import Element
 
 from maulstick.recording.files.markup import METRES
 
-_FONT_UNITS = {"em": 16.0, "rem": 16.0, "ex": 8.0, "ch": 8.0}  # pixels of a usual font: a drawing has no text
+FONT_UNITS: Final = {"em": 16.0, "rem": 16.0, "ex": 8.0, "ch": 8.0}
+"""Pixels of a usual font, whatever the document's: a drawing has no text."""
+
 _LENGTH = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([a-zA-Z]+|%|)\s*")
 
 
@@ -19,8 +22,8 @@ def pixels(text: str | None, whole: float = 0.0) -> float | None:
     number, unit = float(match[1]), match[2].lower()
     if unit == "%":
         return number / 100 * whole
-    if unit in _FONT_UNITS:
-        return number * _FONT_UNITS[unit]
+    if unit in FONT_UNITS:
+        return number * FONT_UNITS[unit]
     return number * METRES[unit or "px"] / METRES["px"] if unit in (*METRES, "") else None
 
 

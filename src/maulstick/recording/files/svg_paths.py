@@ -6,9 +6,20 @@ from typing import Final
 from xml.etree.ElementTree import Element
 
 import numpy as np
-from svgelements import Arc, Close, CubicBezier, Line, Move, Path, QuadraticBezier  # type: ignore[import-untyped]
+from svgelements import (  # type: ignore[import-untyped]
+    Arc,
+    Close,
+    CubicBezier,
+    Line,
+    Matrix,
+    Move,
+    Path,
+    QuadraticBezier,
+    Viewbox,
+)
 
 from maulstick.errors import InputError
+from maulstick.recording.files.lengths import Viewport
 from maulstick.recording.files.markup import local_name
 from maulstick.storage.arrays import Floats
 
@@ -55,10 +66,27 @@ def numbers(text: str | None) -> list[float]:
     return [float(number) for number in _NUMBER.findall(text or "")]
 
 
+def link_of(use: Element) -> str:
+    """Return what a <use> refers to, ``#`` and an id, or another file."""
+    return use.get("href") or use.get("{http://www.w3.org/1999/xlink}href") or ""
+
+
 def view_box(element: Element) -> list[float] | None:
     """Return the viewBox (x, y, width, height) of an element, or None where it has none that can be used."""
     view = numbers(element.get("viewBox"))
     return view if len(view) == 4 and view[2] > 0 and view[3] > 0 else None
+
+
+def viewed(element: Element, place: tuple[float, float, float, float]) -> tuple[Matrix, Viewport]:
+    """Return the matrix from the inside of an element with a viewBox to its outside, and the viewport inside.
+
+    place: x, y, width and height of the element outside.
+    """
+    view = view_box(element)
+    if view is None:
+        return Matrix.translate(*place[:2]), Viewport(*place[2:])
+    aspect = " ".join(element.get("preserveAspectRatio", "xMidYMid").replace("defer", "").split())
+    return Matrix(Viewbox.viewbox_transform(*place, *view, aspect or "xMidYMid")), Viewport(*view[2:])
 
 
 def coordinates(text: str) -> tuple[list[float], bool]:

@@ -2,17 +2,19 @@
 
 It knows few selectors, and of CSS's moves `transform` alone. A box without a place or a size gets that of one around
 it, an ellipse without a radius one of 1, what is smaller than nothing is drawn, percentages in and after an inner <svg>
-are of the wrong viewport, and ``em`` is an error.
+are of the wrong viewport, a <symbol> has no viewBox, and ``em`` is an error.
 """
 
 from xml.etree.ElementTree import Element
+
+from svgelements import Matrix  # type: ignore[import-untyped]
 
 from maulstick.recording.files.css import GEOMETRY, INHERITED, MOVES, READ
 from maulstick.recording.files.lengths import Viewport
 from maulstick.recording.files.markup import local_name
 from maulstick.recording.files.style_sheet import StyleSheet
-from maulstick.recording.files.svg_paths import PAGE, parted, view_box
-from maulstick.recording.files.transforms import transform_of
+from maulstick.recording.files.svg_paths import PAGE, link_of, parted, view_box, viewed
+from maulstick.recording.files.transforms import is_relative, transform_of
 
 _MOVED = MOVES | {"transform-origin"}  # properties for which a transform is written anew
 _ALONG_X = {  # lengths of elements, whose others along y are called alike
@@ -33,15 +35,18 @@ def write_attributes(root: Element) -> None:
     sheet = StyleSheet(root)
     styles = {element: sheet.of(element) for element in root.iter()}
     root.attrib.update({name: styles[root][name] for name in (*INHERITED, "display") if name in styles[root]})
-    _write(root, styles, _inside(root, Viewport(PAGE, PAGE)))
+    symbols = {f"#{element.get('id')}": element for element in root.iter() if local_name(element) == "symbol"}
+    _write(root, styles, symbols, _inside(root, Viewport(PAGE, PAGE)))
 
 
-def _write(parent: Element, styles: dict[Element, dict[str, str]], viewport: Viewport) -> None:
+def _write(
+    parent: Element, styles: dict[Element, dict[str, str]], symbols: dict[str, Element], viewport: Viewport
+) -> None:
     for element in parent:
         own = styles[element]
-        if own.keys() & _MOVED or "%" in own.get("transform", ""):  # which svgelements does not turn
+        if own.keys() & _MOVED or is_relative(own.get("transform", "")):
             m = transform_of(own, viewport.width, viewport.height)
-            own = {**own, "transform": f"matrix({m.a!r} {m.b!r} {m.c!r} {m.d!r} {m.e!r} {m.f!r})"}
+            own = {**own, "transform": _in_words(m)}
         for name in READ:
             element.attrib.pop(name, None)
         element.attrib.update({name: own[name] for name in (*READ, *GEOMETRY) if name in own})
@@ -51,7 +56,9 @@ def _write(parent: Element, styles: dict[Element, dict[str, str]], viewport: Vie
         if local_name(element) == "path":
             element.set("d", parted(element.get("d", "")))
         _write_lengths(element, viewport)
-        _write(element, styles, _inside(element, viewport))
+        if local_name(element) == "use" and (symbol := symbols.get(link_of(element))) is not None:
+            _place(element, symbol, viewport)
+        _write(element, styles, symbols, _inside(element, viewport))
 
 
 def _write_lengths(element: Element, viewport: Viewport) -> None:
@@ -72,6 +79,22 @@ def _write_lengths(element: Element, viewport: Viewport) -> None:
             element.set("display", "none")
         elif tag == "svg" and view_box(element) is None:  # or svgelements would not move it
             element.set("viewBox", f"0 0 {width} {height}")
+
+
+def _place(use: Element, symbol: Element, viewport: Viewport) -> None:
+    """Let a <use> move its <symbol> from the viewBox to the place and the size that the two of them say."""
+    across, down = (symbol if use.get(name) is None else use for name in ("width", "height"))
+    width, height = viewport.x(across, "width", "100%"), viewport.y(down, "height", "100%")
+    if min(width, height) <= 0:
+        use.set("display", "none")
+        return
+    matrix, _ = viewed(symbol, (viewport.x(symbol, "x"), viewport.y(symbol, "y"), width, height))
+    corner = f"translate({use.attrib.pop('x')} {use.attrib.pop('y')})"
+    use.set("transform", f"{use.get('transform', '')} {corner} {_in_words(matrix)}")
+
+
+def _in_words(m: Matrix) -> str:
+    return f"matrix({m.a!r} {m.b!r} {m.c!r} {m.d!r} {m.e!r} {m.f!r})"
 
 
 def _inside(element: Element, outside: Viewport) -> Viewport:

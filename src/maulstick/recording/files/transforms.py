@@ -7,12 +7,13 @@ import numpy as np
 from svgelements import Matrix  # type: ignore[import-untyped]
 
 from maulstick.recording.files.css import Style
-from maulstick.recording.files.lengths import pixels
+from maulstick.recording.files.lengths import FONT_UNITS, pixels
 from maulstick.storage.arrays import Floats
 
 _PPI = 96  # pixels per inch, as CSS has it
 _SIDES = {"left": "0%", "top": "0%", "center": "50%", "right": "100%", "bottom": "100%"}
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?"
+_OF_A_FONT = re.compile(rf"{_NUMBER}(?:{'|'.join(FONT_UNITS)})\b", re.IGNORECASE)
 _SHARE = re.compile(rf"({_NUMBER})(%?)")
 _TURN = re.compile(rf"({_NUMBER})(deg|grad|rad|turn)|0")
 _OUT_OF_THE_PAGE = re.compile(r"^(?:z|0\s+0\s+1)\s+|\s+(?:z|0\s+0\s+1)$")  # the axis of a turn in it
@@ -32,6 +33,11 @@ def transform_of(style: Style, width: float, height: float, origin: str = "") ->
     return Matrix.translate(-x, -y) * matrix * Matrix.translate(x, y)
 
 
+def is_relative(transform: str) -> bool:
+    """Return whether a list of functions has lengths that svgelements cannot tell: shares, and those of a font."""
+    return "%" in transform or _OF_A_FONT.search(transform) is not None
+
+
 def moved(points: Floats, m: Matrix) -> Floats:
     """Return points (..., 2) where a matrix takes them."""
     there: Floats = points @ np.array([[m.a, m.b], [m.c, m.d]]) + np.array([m.e, m.f])
@@ -43,7 +49,7 @@ def _listed(text: str, width: float, height: float) -> Matrix:
     if not text:
         return Matrix()
     try:
-        matrix = Matrix(text)
+        matrix = Matrix(_OF_A_FONT.sub(lambda length: repr(pixels(length[0])), text))
         matrix.render(ppi=_PPI, width=width, height=height)
         return Matrix(*(float(matrix[i]) for i in range(6)))
     except (ValueError, TypeError, IndexError):

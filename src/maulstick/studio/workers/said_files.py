@@ -17,7 +17,7 @@ from maulstick.errors import InputError, validation_fault
 from maulstick.jobs.plan.request import PlanRequest
 from maulstick.painting.fit import place_of
 from maulstick.painting.painting import Sheet
-from maulstick.painting.picture import READ_PX, read_picture
+from maulstick.painting.picture import read_picture
 from maulstick.painting.raster import Canvas, parse_margin
 from maulstick.storage.arrays import Floats
 from maulstick.storage.files import read_whole
@@ -76,7 +76,7 @@ def picture_place(sheet: Sheet, request: PlanRequest) -> tuple[float, float, flo
     options = request.options
     shape: tuple[int, ...] = round(_FINE * sheet.height), round(_FINE * sheet.width)  # of a text, which has none
     if request.picture is not None:
-        shape = options.edit.shape(read_picture(request.picture, longest_px=READ_PX).shape)
+        shape = options.edit.shape(read_picture(request.picture, options.read_px, options.least_px).shape)
     margin = parse_margin(options.margin, (sheet.width, sheet.height))
     place = place_of(shape, Canvas(sheet.width, sheet.height, _FINE), options.fit, margin)
     left, top, right, bottom = (edge / _FINE for edge in place)
