@@ -46,6 +46,10 @@ def test_every_remedy_is_said_by_each_front_end_in_its_own_words(remedy: Remedy)
         (InputError("no easel says how deep", Remedy.FIND_DEPTH), "no easel says how deep; bring its easel file under"),
         (InputError.of_range(option("speed"), 0.01, "from 0.1 to 10000 mm/s"), "the speed is 0.01; it must be from"),
         (InputError.of_range(option("replan"), -1, "at least 1"), "the number of strokes between two looks is -1;"),
+        (
+            InputError(f"{option('background')} shows the sheet, and {option('paper')} its colour"),
+            "the photograph of the sheet shows the sheet, and the colour of the paper its colour",
+        ),
         (InputError("no CLIP", Remedy.CLIP_WEIGHTS_OR_NETWORK), "no CLIP; connect this computer to the internet and"),
         (InputError("what says nothing of the command line"), "what says nothing of the command line"),
     ],

@@ -259,9 +259,13 @@ def test_what_is_typed_of_a_region_stays_while_another_page_acts_and_what_cannot
     page: Callable[..., Page],
 ) -> None:
     tab, view = opened(page, "Importance")
-    tab.get_by_label("Brush", exact=True).fill("-2")
+    brush, told = tab.get_by_label("Brush", exact=True), tab.locator(".q-notification")
+    brush.fill("-2")
     tab.mouse.move(*middle_of(view))
-    tab.get_by_label("Brush", exact=True).fill("20")
+    tab.evaluate("""() => { for (const type of ["down", "up"]) point(`pointer${type}`, 30, 30); }""")
+    expect(told).to_contain_text("The width of the brush is -2 mm; it must be from 0.1 to 1000 mm")
+    told.get_by_role("button", name="OK").click()
+    brush.fill("20")
     tab.evaluate("""() => { for (const type of ["down", "up"]) point(`pointer${type}`, 30, 30); }""")
     sharp(view, 1)
     name, size = tab.get_by_label("Name"), tab.get_by_label("Size of the hand")
@@ -279,7 +283,7 @@ def test_what_is_typed_of_a_region_stays_while_another_page_acts_and_what_cannot
     expect(name).to_have_value("eyes")
     size.fill("0")
     size.press("Enter")
-    expect(tab.locator(".q-notification")).to_contain_text("hand_size")
+    expect(told).to_contain_text("The size of the hand is 0 times; it must be from 0.02 to 50 times")
     expect(size).to_have_value("1")
     for field, holds in ((name, "eyes"), (tab.get_by_label("Counts").last, "3"), (tab.get_by_label("Soft edge"), "0")):
         field.fill("")

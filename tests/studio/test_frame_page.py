@@ -68,3 +68,33 @@ def test_an_address_that_leads_nowhere_says_so_and_leads_back(studio: RunningStu
     tab.get_by_role("button", name="Go to the beginning").click()
     expect(tab.get_by_role("heading", name="Show how you draw")).to_be_visible()
     tab.context.close()
+
+
+def test_on_a_small_phone_all_panels_are_within_reach_and_none_is_wider_than_the_window(
+    page: Callable[..., Page],
+) -> None:
+    tab = page("/trash", viewport={"width": 320, "height": 640}, is_mobile=True, has_touch=True)
+    for name in ("Draw", "Styles", "Plan", "Mix", "Paint", "Survey", "Trash"):
+        link = tab.get_by_role("navigation").get_by_role("link", name=name)
+        expect(link).to_be_in_viewport(ratio=1)
+        link.tap()
+        expect(link).to_have_attribute("aria-current", "page")
+        assert tab.evaluate("document.documentElement.scrollWidth") == 320, name
+
+
+def test_errors_however_many_leave_half_of_a_phone_s_page_in_sight(page: Callable[..., Page]) -> None:
+    tab = page("/plan", viewport={"width": 360, "height": 640}, is_mobile=True, has_touch=True)
+    tab.get_by_role("button", name="Try an example picture").tap()
+    expect(tab.get_by_role("radio", name="portrait")).to_be_checked()
+    for strokes in (0, 1.5, 2.5, 3.5, 4.5, 5.5):
+        tab.get_by_label("Strokes", exact=True).fill(str(strokes))
+        tab.get_by_role("button", name="Plan it").evaluate("(go) => go.click()")
+        error = tab.get_by_role("alert").filter(has_text=f"The number of strokes is {strokes};")
+        expect(error).to_be_in_viewport()
+    box = tab.locator(".q-notifications__list--top.items-center").bounding_box()
+    assert box is not None
+    assert box["y"] + box["height"] < 0.6 * 640
+    first = tab.get_by_role("alert").filter(has_text="The number of strokes is 0;").get_by_role("button", name="OK")
+    first.scroll_into_view_if_needed()
+    first.tap()
+    expect(tab.get_by_role("alert").filter(has_text="The number of strokes is")).to_have_count(5)

@@ -153,6 +153,13 @@ def test_a_tray_comes_goes_and_comes_back(folder: Folder) -> None:
     assert mixing.has_tray
 
 
+def test_no_row_of_wells_is_all_at_one_place(folder: Folder) -> None:
+    mixing, row = Mixing(folder, Desk()), RowOfWells(0.0, 0.0, step=0.0, height=0.0, clearance=0.03, reach=0.3)
+    with pytest.raises(InputError, match="all wells would be one, water and cloth too; say how far"):
+        asyncio.run(mixing.lay_tray("cat", row))
+    assert not mixing.has_tray
+
+
 def test_another_tray_and_other_tubes_leave_the_former_ones_in_the_trash(folder: Folder) -> None:
     async def replace(mixing: Mixing) -> None:
         await mixing.use_tubes(b"ochre,#c08a35")

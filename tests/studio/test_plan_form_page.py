@@ -136,3 +136,24 @@ def test_a_picture_however_wide_stays_inside_the_form_and_is_called_as_its_file(
     assert tab.evaluate("document.documentElement.scrollWidth <= innerWidth"), "the page is no wider than its window"
     for each in ("img", "input"):
         assert tab.evaluate(f"{EDGES}('.thumb {each}').right <= {EDGES}('.pictures').right")
+
+
+def test_a_number_out_of_its_range_stays_as_it_is_typed_and_is_refused_in_a_sentence(
+    page: Callable[..., Page], tmp_path: Path
+) -> None:
+    tab = page("/plan")
+    bring_a_picture(tab, tmp_path)
+    strokes, margin = tab.get_by_label("Strokes", exact=True), tab.get_by_label("Margin, mm")
+    for typed in ("0", "2.5", "20001"):
+        strokes.fill(typed)
+        tab.get_by_role("button", name="Plan it").click()
+        refusal = f"The number of strokes is {typed}; it must be a whole number from 1 to 20000"
+        expect(tab.locator(".q-notification").get_by_text(refusal)).to_be_visible()
+        expect(strokes).to_have_value(typed)
+    strokes.fill("800")
+    strokes.press("ArrowUp")
+    expect(strokes).to_have_value("850")
+    margin.fill("-3")
+    margin.press("Tab")
+    expect(tab.locator(".sketch").get_by_text("-3mm")).to_be_visible()
+    expect(margin).to_have_value("-3")

@@ -1,6 +1,7 @@
 """Plans as the studio's server has them, each made in a real process."""
 
 import asyncio
+import shutil
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from multiprocessing import active_children
@@ -235,3 +236,20 @@ def test_a_folder_that_holds_no_plan_of_this_version_is_passed_over(folder: Fold
         if content is not None:
             (folder.root / "plans" / name / "request.json").write_bytes(content)
     assert Plans(folder).plans == {}
+
+
+def test_a_plan_comes_and_goes_with_its_folder_while_the_studio_is_open(folder: Folder) -> None:
+    for name in ("lines", "six"):
+        put_plan(folder.root, name)
+    plans = Plans(folder)
+    changes: list[list[str]] = []
+    plans.changed.subscribe(lambda: changes.append(sorted(plans.plans)))
+    lines = plans.of("lines")
+    shutil.rmtree(folder.root / "plans" / "six")
+    shutil.copytree(lines.folder, folder.root / "plans" / "copy")
+    for _ in range(2):
+        plans.look_again()
+    assert changes == [["copy", "lines"]]
+    assert plans.of("lines") is lines
+    with pytest.raises(InputError, match="there is no plan six any more"):
+        plans.of("six")

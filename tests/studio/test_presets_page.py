@@ -19,11 +19,18 @@ _DROP = """([base64, name]) => {
 }"""
 
 
-_SLOW_SOCKET = """() => {
-  const send = WebSocket.prototype.send;
-  WebSocket.prototype.send = function (words) { setTimeout(() => send.call(this, words), 3000); };
+_HOLD = """() => {
+  const send = WebSocket.prototype.send, held = [], pong = "3";
+  WebSocket.prototype.send = function (words) {
+    if (words === pong) send.call(this, words);
+    else held.push(() => send.call(this, words));
+  };
+  window.letGo = () => {
+    WebSocket.prototype.send = send;
+    for (const each of held) each();
+  };
 }"""
-"""Lets files overtake what the page says of them, as they do on a busy machine."""
+"""Holds what the page says until it is let go, so that files overtake what is said of them, as on a busy machine."""
 
 
 def drop(page: Page, content: bytes, name: str) -> None:
@@ -69,7 +76,8 @@ def test_settings_are_kept_chosen_again_saved_as_a_file_and_loaded_where_what_th
     plain = json.loads(written)
     plain["settings"] |= {"style": "somebody", "brush": "sable", "strokes": 77, "unmixed": True}
     choose(other, "Machine", "Franka arm")
-    other.evaluate(_SLOW_SOCKET)
+    expect(other.get_by_label("Colours", exact=True)).to_have_value("Paints")
+    other.evaluate(_HOLD)
     drop(other, json.dumps(plain).encode(), "Theirs.JSON")
     expect(
         other.get_by_text(
@@ -80,6 +88,9 @@ def test_settings_are_kept_chosen_again_saved_as_a_file_and_loaded_where_what_th
     expect_ink_on_a5(other)
     expect(other.get_by_label("Strokes", exact=True)).to_have_value("77")
     expect(other.get_by_label("Hand", exact=True)).to_have_value("loops")
+    other.evaluate("letGo()")
+    choose(other, "Turned", "Lying")
+    expect(other.get_by_label("Turned", exact=True)).to_have_value("Lying")  # so all is heard, and no button waits
     with other.expect_file_chooser() as chooser:
         other.get_by_role("button", name="Load settings from a file").click()
     (tmp_path / "other.json").write_text('{"strokes": 3}')

@@ -147,6 +147,12 @@ def test_a_new_title_leaves_the_note_the_star_and_the_age(folder: Folder) -> Non
     assert folder.names("plans") == ["old", "new"]
 
 
+def test_what_is_thrown_away_meanwhile_gets_no_title_and_is_said_to_be_in_the_trash(folder: Folder) -> None:
+    with pytest.raises(InputError, match="six is there no more; look in the trash"):
+        retitle(folder.of("plans", "six"), "Six")
+    assert not folder.of("plans", "six").exists()
+
+
 def test_titles_go_through_the_trash_and_back_in_a_studio_opened_later(tmp_path: Path) -> None:
     async def throw(root: Path) -> None:
         with Folder.opened(root) as folder:

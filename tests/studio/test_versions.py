@@ -44,7 +44,7 @@ def test_what_differs_in_a_version_is_said_in_words(tmp_path: Path) -> None:
         {"kind": "add", "paint": 0, "trajectory": [[0.01, 0.01, 0.5], [0.02, 0.01, 0.5]]},
     )
     strokes = changes_of(file, tuple(map(json.dumps, edits)))
-    assert strokes == StrokeChanges(drawn=1, removed=1, moved=1, repainted=1, locked=2)
+    assert strokes == StrokeChanges(drawn=1, removed=1, moved=1, repainted=1, locked=2, left=6)
     sky, face = region(1, box(0, 0, 1, 1), name="sky"), region(2, box(0, 0, 1, 1), name="face", style="loops")
     before = Said(regions=(sky,))
     now = Said(
@@ -247,3 +247,10 @@ def test_what_a_camera_had_planned_again_cannot_be_planned_over_a_photograph(tmp
         journal.revise(second)
     with pytest.raises(InputError, match="other strokes are on the sheet; plan the picture anew"):
         painted_of(file)
+
+
+def test_no_version_is_kept_of_which_no_stroke_is_left(tmp_path: Path) -> None:
+    strokes = [stroke.id for stroke in read_painting(put_plan_to_direct(tmp_path, "coast")).strokes]
+    with pytest.raises(InputError, match="no stroke of coast is left; draw one, or undo, before it is kept"):
+        version_of_coast(tmp_path, strokes[:1], taken_out=strokes, is_kept=True)
+    assert [each.name for each in (tmp_path / "plans").iterdir()] == ["coast"]

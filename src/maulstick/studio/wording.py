@@ -75,6 +75,8 @@ _OPTIONS: Final = {
     "hatch": "the distance between hatching lines",
     "join": "the distance of ends that are joined",
     "px": "sheet",
+    "paper": "the colour of the paper",
+    "background": "the photograph of the sheet",
     "pause_at": "the number of a stroke to wait before",
     "name": "name",
     "out": "folder",

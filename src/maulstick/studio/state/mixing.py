@@ -157,6 +157,8 @@ class Mixing:
 
     async def lay_tray(self, plan: str, row: RowOfWells) -> None:
         """Set a tray of wells in a row: a plan's paints, then water, then a cloth. Raises InputError for a bad row."""
+        if not row.step:
+            raise InputError("all wells would be one, water and cloth too; say how far it is from each to the next")
         colours = dict.fromkeys(paint.hex for paint in await self.paints(plan))
         places = [{"x": row.x, "y": row.y + number * row.step} for number in range(len(colours) + 2)]
         wells = [place | {"height": row.height} for place in places[:-1]]

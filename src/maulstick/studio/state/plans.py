@@ -36,9 +36,18 @@ class Plans:
         self._processes: dict[str, Process] = {}
         self._spare = Spare(plan_in_process, *TAKEN, niceness=_NICENESS)
         self.plans: dict[str, Plan] = {}
-        for name in folder.names("plans"):
-            if (plan := read_plan(name, folder.of("plans", name))) is not None:
-                self.plans[name] = plan
+        self.look_again()
+
+    def look_again(self) -> None:
+        """Take in plans whose folders were put here by hand, and let go of those whose folders are gone."""
+        before = self.plans
+        there: dict[str, Plan] = {}
+        for name in self._folder.names("plans"):
+            if (plan := before.get(name) or read_plan(name, self._folder.of("plans", name))) is not None:
+                there[name] = plan
+        self.plans = there | {name: plan for name, plan in before.items() if plan.is_busy}
+        if self.plans.keys() != before.keys():
+            self.changed.emit()
 
     @property
     def doing(self) -> str:

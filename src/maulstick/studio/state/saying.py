@@ -12,6 +12,7 @@ from maulstick.jobs.plan.region_descriptions import ALONG_GUIDES, names_strokes
 from maulstick.jobs.plan.request import PlanRequest
 from maulstick.studio.state.acts import Acts
 from maulstick.studio.state.titles import clean_title, numbered
+from maulstick.studio.state.typed_numbers import number
 from maulstick.studio.workers.areas import brushed, enclosed, guide
 from maulstick.studio.workers.desk import Desk
 from maulstick.studio.workers.said import (
@@ -31,9 +32,12 @@ from maulstick.studio.workers.said_files import GUIDES, SAY, read_said, said_fil
 SAID: Final = "said"
 """Kind of these acts in the file of acts."""
 
+THINNEST: Final = 1e-4
+BROADEST: Final = 1.0
+"""Bounds of the width of the brush of importance, metres."""
+
 _REGION, _BARE, _IMPORTANT = "Region", "Bare paper", "Important"  # names until others are typed
 _MOST_POINTS = 20_000  # of a line that is drawn: minutes of a pen
-_BROADEST = 1.0  # metres of the brush of importance
 
 
 @final
@@ -63,8 +67,7 @@ class Saying:
 
         What is brushed with one importance is one region. points: x, y in metres of each; raises as `brushed`.
         """
-        if not 0 < width <= _BROADEST:
-            raise InputError.of_range("the width of the brush", f"{1e3 * width:g} mm", f"up to {1e3 * _BROADEST:g} mm")
+        number(1e3 * width, "the width of the brush", 1e3 * THINNEST, 1e3 * BROADEST, "mm")
         async with self._acts.turn:
             before = next((region for region in self.now.regions if region.is_only(importance)), None)
             area = await self._desk.do(brushed, self._painting, _spots(points), width, before.area if before else ())

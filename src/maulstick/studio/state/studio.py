@@ -93,7 +93,8 @@ class Studio:
         is_kept: whether it is the painting as it is now instead, with nothing planned.  photograph: name of a picture
         of the sheet, over which it is planned without the strokes that are painted, or "".  weights: of all terms,
         where others are to matter. Returns the new plan.
-        Raises InputError where there is no finished plan or no guide to follow, OutputError where there is no room.
+        Raises InputError where there is no finished plan, no guide to follow or no stroke to keep, OutputError where
+        there is no room.
         """
         directing, plan = self.directing(name), self.plans.of(name)
         said, request = directing.saying, without_own_places(with_own(plan.request, plan.folder), plan.folder)
@@ -111,6 +112,8 @@ class Studio:
         if unseen := said.unseen(files):
             done += f" without {' and '.join(f'“{each}”' for each in unseen)}, of which nothing is seen on the picture"
         strokes, hands = await directing.changes(), self.styles.titles()
+        if is_kept and not strokes.left:
+            raise InputError(f"no stroke of {plan.title} is left; draw one, or undo, before it is kept as a version")
         changes = version_in_words(strokes, said.at_first, said.now, hands, "kept as it is" if is_kept else done)
         written = await directing.write(now := self.folder.incoming())
         title = version_title(plan.title, [title_of(each.folder) for each in self.plans.plans.values()])

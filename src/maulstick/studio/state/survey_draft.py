@@ -8,7 +8,7 @@ from typing import TypeVar
 from pydantic import BaseModel, ValidationError
 
 from maulstick.errors import InputError, validation_fault
-from maulstick.studio.state.whole_number import whole_number
+from maulstick.studio.state.typed_numbers import whole_number
 from maulstick.survey.questionnaire import Match, Opinions, Pair, SurveyHand
 from maulstick.survey.questions import SAME_HAND
 

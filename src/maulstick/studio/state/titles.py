@@ -96,7 +96,7 @@ def title_of(thing: Path) -> str:
 def retitle(thing: Path, title: str) -> str:
     """Give the thing in a folder this title; return it as it is kept.
 
-    Raises InputError where nothing of it can be seen, OutputError where it cannot be written.
+    Raises InputError where nothing of it can be seen, and as `relabel`.
     """
     relabel(thing, title=(kept := checked_title(title)))
     return kept
@@ -105,13 +105,15 @@ def retitle(thing: Path, title: str) -> str:
 def relabel(thing: Path, **changes: str | bool) -> None:
     """Change fields of the label in the folder of a thing, which is as old as before.
 
-    Raises OutputError where it cannot be written.
+    Raises InputError where the thing is thrown away meanwhile, OutputError where the label cannot be written.
     """
     label = label_of(thing).model_copy(update=changes)
-    age = thing.stat() if thing.is_dir() else None
+    try:
+        age = thing.stat()
+    except FileNotFoundError as error:
+        raise InputError(f"{thing.name} is there no more; look in the trash") from error
     write_record(label, thing / _RECORD)
-    if age is not None:
-        os.utime(thing, ns=(age.st_atime_ns, age.st_mtime_ns))
+    os.utime(thing, ns=(age.st_atime_ns, age.st_mtime_ns))
 
 
 def checked_title(typed: str) -> str:

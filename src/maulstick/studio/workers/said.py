@@ -15,6 +15,11 @@ from maulstick.painting.fields import Metres
 MOST_REGIONS: Final = 63
 """Regions of a plan, as many as a map has colours for beside white."""
 
+MOST_IMPORTANCE: Final = 1000.0
+MOST_DEGREES: Final = 360.0
+SOFTEST: Final = 1.0
+"""Bounds of what is said of a region: times, a turn either way, and metres."""
+
 _LEVELS = (0, 64, 128, 191, 255)  # of red, green and blue: neighbours are further apart than 60, as a map needs it
 _WHITE = (255, 255, 255)
 _FIRST = (255, 0, 0)
@@ -32,8 +37,8 @@ def _not_the_rest(name: str) -> str:
 
 
 def _within_a_turn(direction: float | str | None) -> float | str | None:
-    if isinstance(direction, float) and abs(direction) > 360:
-        raise ValueError("it must be from -360 to 360 degrees")
+    if isinstance(direction, float) and abs(direction) > MOST_DEGREES:
+        raise ValueError(f"it must be from {-MOST_DEGREES:g} to {MOST_DEGREES:g} degrees")
     return direction
 
 
@@ -60,9 +65,9 @@ class SaidRegion(_Placed):
     style: str | None = None
     hand_size: Annotated[float, Field(ge=LEAST_HAND, le=LARGEST_HAND)] | None = None
     brush: str | None = None
-    importance: Annotated[float, Field(ge=0, le=1000)] = 1.0
+    importance: Annotated[float, Field(ge=0, le=MOST_IMPORTANCE)] = 1.0
     direction: Annotated[Direction, AfterValidator(_within_a_turn)] = None
-    soft: Annotated[Metres, Field(ge=0, le=1)] = 0.0
+    soft: Annotated[Metres, Field(ge=0, le=SOFTEST)] = 0.0
     brushed: bool = False
 
     def is_only(self, importance: float) -> bool:

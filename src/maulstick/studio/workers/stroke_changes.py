@@ -8,7 +8,10 @@ from maulstick.studio.workers.stroke_marks import after_edits
 
 @dataclass(frozen=True)
 class StrokeChanges:
-    """Numbers of strokes that differ after a person's edits; each counts once, under the first that it is."""
+    """Numbers of strokes that differ after a person's edits; each counts once, under the first that it is.
+
+    left: number of all that there are then.
+    """
 
     drawn: int = 0
     removed: int = 0
@@ -16,6 +19,7 @@ class StrokeChanges:
     repainted: int = 0
     locked: int = 0
     unlocked: int = 0
+    left: int = 0
 
 
 def changes_of(file: Path, edits: tuple[str, ...]) -> StrokeChanges:
@@ -32,4 +36,5 @@ def changes_of(file: Path, edits: tuple[str, ...]) -> StrokeChanges:
         repainted=len(stayed) - len(same),
         locked=same.count((False, True)),
         unlocked=same.count((True, False)),
+        left=len(now),
     )

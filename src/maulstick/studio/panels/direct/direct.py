@@ -45,6 +45,7 @@ _KEYS = {
 
 def build(studio: Studio, name: str) -> None:
     """Build the panel of the plan of that name."""
+    studio.plans.look_again()
     ui.timer(SETTLED, studio.plans.be_ready, immediate=False)
     ui.add_css(_STYLE)
     ui.add_css(_CLOSER)

@@ -7,14 +7,17 @@ from maulstick.studio.panels.direct.canvas import IMPORTANCE, SAYING, StrokeCanv
 from maulstick.studio.panels.direct.region_fields import RegionFields
 from maulstick.studio.state.directing import Directing
 from maulstick.studio.state.plan import Plan
+from maulstick.studio.state.saying import BROADEST, THINNEST
 from maulstick.studio.state.studio import Studio
+from maulstick.studio.state.typed_numbers import number
 from maulstick.studio.state.versions import without_own_places
+from maulstick.studio.widgets.number_field import NumberField
+from maulstick.studio.workers.said import MOST_IMPORTANCE
 from maulstick.studio.workers.stroke_marks import ShownSheet
 
 _MOST_NUMBERS = 40_000  # of a line, two a point
 _TIMES = 3.0  # how much more counts at first what is painted with the brush of importance
 _BROAD, _SHARE = 20.0, 0.15  # its width at first, at most, in millimetres and in shares of the sheet's shorter side
-_MOST_TIMES, _BROADEST = 1000, 500
 _HINTS = {
     "region": "Drag a line around an area. What you say of it below holds there, over what lies under it.",
     "bare": "Drag a line around an area where no ink may lie.",
@@ -39,8 +42,8 @@ class Places:
         with self.root:
             self._hint = ui.label().classes("hint")
             with ui.element().classes("numbers") as self._brush:
-                self._times = ui.number("Counts", value=_TIMES, min=0, max=_MOST_TIMES, suffix="times")
-                self._broad = ui.number("Brush", value=self._usual_broad, min=0.1, max=_BROADEST, suffix="mm")
+                self._times = NumberField("Counts", value=_TIMES, min=0, max=MOST_IMPORTANCE, suffix="times")
+                self._broad = NumberField("Brush", value=self._usual_broad, min=0, max=1e3 * BROADEST, suffix="mm")
                 self._broad.on_value_change(self.show)
             if (foreign := without_own_places(plan.request, plan.folder).options.regions) is not None:
                 told = f"This plan has the regions of {foreign.name}; those painted here take their place."
@@ -51,11 +54,10 @@ class Places:
         canvas.on("region", self._clicked)
         self.take_up("")
 
-    @property
-    def _width(self) -> float:
-        """Width of the brush of importance, millimetres."""
-        typed = self._broad.value or 0
-        return float(typed) if typed > 0 else self._usual_broad  # as while a minus sign is typed
+    def _fill(self) -> None:
+        """Show in fields of the brush of importance that a person has cleared what holds then."""
+        self._times.value = _TIMES if self._times.value is None else self._times.value
+        self._broad.value = self._usual_broad if self._broad.value is None else self._broad.value
 
     def take_up(self, tool: str) -> None:
         """Show what is needed for a tool of `SAYING`, or nothing for another one."""
@@ -68,9 +70,10 @@ class Places:
         said = self._saying.now
         if self._chosen not in [each.id for each in (*said.regions, *said.guides)]:
             self._chosen = None
-        self._canvas.show_places(said, self._chosen, self._width)
+        seen = max(self._broad.value or self._usual_broad, 1e3 * THINNEST)  # also while a minus sign is typed
+        self._canvas.show_places(said, self._chosen, seen)
         rows = [(each.id, each.name, each.colour, each.bare) for each in reversed(said.regions)]  # the topmost first
-        rows += [(guide.id, f"Guide {number}", "", False) for number, guide in enumerate(said.guides, start=1)]
+        rows += [(guide.id, f"Guide {place}", "", False) for place, guide in enumerate(said.guides, start=1)]
         if rows != self._rows:  # or what has the keyboard's focus would lose it
             self._rows = rows
             self._buttons = {}
@@ -112,12 +115,12 @@ class Places:
         self._chosen = event.args if isinstance(event.args, int) else None
         self.show()
 
-    async def _say(self, **fields: object) -> None:
-        """Say something else of the chosen region; what cannot be said is shown as it was."""
+    async def _say(self) -> None:
+        """Say of the chosen region what is in its fields; what cannot be said is shown as it was."""
         if self._chosen is None:
             return
         try:
-            await self._saying.change(self._chosen, **fields)
+            await self._saying.change(self._chosen, **self._fields.values())
         except MaulstickError:
             self._fields.show(None)
             self.show()
@@ -138,6 +141,7 @@ class Places:
         if tool == "guide":
             return await self._saying.guide(points)
         if tool == IMPORTANCE:
-            times = _TIMES if self._times.value is None else self._times.value
-            return await self._saying.emphasise(points, 1e-3 * self._width, times)
+            self._fill()
+            times = number(self._times.value, "how much it counts", 0, MOST_IMPORTANCE, "times")
+            return await self._saying.emphasise(points, 1e-3 * (self._broad.value or 0), times)
         return await self._saying.enclose(points, bare=tool == "bare")

@@ -1,7 +1,7 @@
 """Fields for what is said of one region of a plan."""
 
-from collections.abc import Awaitable
-from typing import Any, Protocol
+from collections.abc import Awaitable, Callable
+from typing import Any
 
 from nicegui import ui
 from nicegui.elements.mixins.value_element import ValueElement
@@ -12,22 +12,20 @@ from maulstick.robot.machines import kind_of
 from maulstick.studio.state.plan import Plan
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.state.titles import MOST_LETTERS
+from maulstick.studio.state.typed_numbers import number
 from maulstick.studio.widgets.brushes import brushes_for
-from maulstick.studio.workers.said import SaidRegion
+from maulstick.studio.widgets.number_field import NumberField
+from maulstick.studio.workers.said import MOST_DEGREES, MOST_IMPORTANCE, SOFTEST, SaidRegion
 
 _AS_THE_PLAN = "As in the plan"
 _ONE_WAY = "one"
 _WAYS = {"": "As the hand draws", _ONE_WAY: "One direction", ALONG_GUIDES: "Along the guides"}
 
 
-class _Say(Protocol):
-    def __call__(self, **fields: Any) -> Awaitable[None]: ...
-
-
 class RegionFields:
-    """Fields of the chosen region; they are hidden while there is none. say: says other fields of `SaidRegion`."""
+    """Fields of the chosen region; they are hidden while there is none. say: says what is in them."""
 
-    def __init__(self, studio: Studio, plan: Plan, say: _Say) -> None:
+    def __init__(self, studio: Studio, plan: Plan, say: Callable[[], Awaitable[None]]) -> None:
         self._studio, self._say, options = studio, say, plan.request.options
         self._brushes_of = {} if options.ink is not None else brushes_for(kind_of(options.robot or ""))
         self._shown: SaidRegion | None = None
@@ -36,12 +34,14 @@ class RegionFields:
             self._bare = ui.checkbox("Bare paper: no ink here")
             with ui.element().classes("numbers") as self._inked:
                 self._style = ui.select({}, label="Hand").classes("whole")
-                self._size = ui.number("Size of the hand", min=LEAST_HAND, max=LARGEST_HAND, step=0.1, suffix="times")
-                self._importance = ui.number("Counts", min=0, max=1000, suffix="times")
+                self._size = NumberField("Size of the hand", min=0, max=LARGEST_HAND, step=0.1, suffix="times")
+                self._importance = NumberField("Counts", min=0, max=MOST_IMPORTANCE, suffix="times")
                 self._brush = ui.select({}, label="Brushes", multiple=True).classes("whole").props("use-chips")
                 self._way = ui.select(_WAYS, label="Direction of strokes").classes("whole")
-                self._degrees = ui.number("Clockwise from the right", min=-360, max=360, suffix="°").classes("whole")
-                self._soft = ui.number("Soft edge", min=0, max=1000, suffix="mm").classes("whole")
+                self._degrees = NumberField("Clockwise from the right", min=-MOST_DEGREES, max=MOST_DEGREES, suffix="°")
+                self._soft = NumberField("Soft edge", min=0, max=1e3 * SOFTEST, suffix="mm")
+                self._degrees.classes("whole")
+                self._soft.classes("whole")
         self._brush.visible = bool(self._brushes_of)
         for field in (self._name, self._size, self._importance, self._degrees, self._soft):
             field.on("blur", self._keep)
@@ -82,7 +82,7 @@ class RegionFields:
     async def _keep(self) -> None:
         if (region := self._shown) is not None:
             self._fill(region)
-            await self._say(**self._values())
+            await self._say()
 
     def _fill(self, region: SaidRegion) -> None:
         """Show in fields that a person has cleared what holds then."""
@@ -97,16 +97,18 @@ class RegionFields:
             if field.value in (None, ""):
                 field.value = value
 
-    def _values(self) -> dict[str, Any]:
-        """Return what the fields say."""
-        direction: object = {"": None, _ONE_WAY: self._degrees.value}.get(self._way.value, ALONG_GUIDES)
+    def values(self) -> dict[str, Any]:
+        """Return what the fields say, by the names of `SaidRegion`. Raises InputError for a number out of its range."""
+        size = number(self._size.value, "the size of the hand", LEAST_HAND, LARGEST_HAND, "times")
+        degrees = number(self._degrees.value, "the direction", -MOST_DEGREES, MOST_DEGREES, "degrees")
+        direction: object = {"": None, _ONE_WAY: degrees}.get(self._way.value, ALONG_GUIDES)
         return {
             "name": self._name.value,
             "bare": bool(self._bare.value),
             "style": self._style.value or None,
-            "hand_size": None if self._size.value == 1 else self._size.value,
+            "hand_size": None if size == 1 else size,
             "brush": ",".join(self._brush.value) or None,
-            "importance": self._importance.value,
+            "importance": number(self._importance.value, "how much it counts", 0, MOST_IMPORTANCE, "times"),
             "direction": direction,
-            "soft": 1e-3 * self._soft.value,
+            "soft": 1e-3 * number(self._soft.value, "the width of the soft edge", 0, 1e3 * SOFTEST, "mm"),
         }

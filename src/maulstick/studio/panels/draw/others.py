@@ -8,6 +8,7 @@ from maulstick.errors import MaulstickError
 from maulstick.storage.text import counted
 from maulstick.studio.panels.draw.learned import learn_hand
 from maulstick.studio.state.studio import Studio
+from maulstick.studio.widgets.number_field import NumberField
 from maulstick.studio.widgets.showing import shown_by
 from maulstick.studio.widgets.undoing import offer_undo
 from maulstick.studio.widgets.uploading import incoming, upload_button
@@ -29,7 +30,7 @@ class OtherHands:
                 self._bring = upload_button("Bring a recording", _ENDINGS, self._take_in, several=True)
                 self._bring.on("click", self._forget_trouble, [])  # not later: files of one choice come one by one
                 self._pen = (
-                    ui.number("Length of its pen, mm", min=0, max=2000)
+                    NumberField("Length of its pen, mm", min=0, max=2000)
                     .props("outlined dense clearable")
                     .classes("pen-length")
                 )

@@ -5,6 +5,7 @@ from nicegui import html, ui
 from maulstick.errors import InputError
 from maulstick.painting.raster import parse_size
 from maulstick.studio.state.drawing import Drawing
+from maulstick.studio.widgets.number_field import NumberField
 
 _OWN = "own"
 _SHEETS = {
@@ -26,8 +27,8 @@ def choose_sheet(drawing: Drawing) -> None:
         ui.label("What is on this one stays, below among your other hands.").classes("hint")
         size = ui.select(_SHEETS, value="A5-landscape", label="Size").props("outlined")
         with ui.element().classes("line").bind_visibility_from(size, "value", value=_OWN):
-            width = ui.number("Width, mm", value=200, min=5).props("outlined")
-            height = ui.number("Height, mm", value=150, min=5).props("outlined")
+            width = NumberField("Width, mm", value=200, min=5).props("outlined")
+            height = NumberField("Height, mm", value=150, min=5).props("outlined")
 
         async def take() -> None:
             chosen = str(size.value)

@@ -12,7 +12,8 @@ from maulstick.jobs.paint.options import MOST_COPIES, PaintOptions
 from maulstick.jobs.plan.options import MOST_STROKES
 from maulstick.robot.machines import is_simulated
 from maulstick.studio.state.studio import Studio
-from maulstick.studio.state.whole_number import whole_number
+from maulstick.studio.state.typed_numbers import number, whole_number
+from maulstick.studio.widgets.number_field import NumberField
 from maulstick.studio.widgets.uploading import upload_button
 from maulstick.studio.wording import DETAILS_LABEL, MACHINES
 
@@ -60,15 +61,15 @@ class OptionsForm:
             self._address = ui.input("Address in the network").props("outlined hint='as in 192.168.1.20'")
             self._lies = ui.label().classes("hint")
         with later:
-            self._speed = ui.number("No faster than, mm/s", min=_SLOWEST, max=_FASTEST).props("outlined clearable")
+            self._speed = NumberField("No faster than, mm/s", min=0, max=_FASTEST).props("outlined clearable")
             self._speed.props("hint='empty: as fast as hand and machine are'")
             self._easel = ui.select({}, label="Where the sheet lies", on_change=self.fit).props(SHORT_MENU)
             upload_button("Bring an easel file", ".json", self._take_easel)
             self._tray = ui.switch("Dip the brush into the tray", value=True)
             self._camera = ui.select({}, label="Camera", on_change=self.fit).props(SHORT_MENU)
-            self._every = ui.number("Look and plan again every … strokes", value=0, min=0, precision=0)
+            self._every = NumberField("Look and plan again every … strokes", value=0, min=0)
             self._every.props("outlined hint='0: only when you ask for it'")
-            self._copies = ui.number("Copies", value=1, min=1, max=MOST_COPIES, precision=0).props("outlined")
+            self._copies = NumberField("Copies", value=1, min=1, max=MOST_COPIES).props("outlined")
             self._copies.props("hint='each on a new sheet, which it asks you for'")
             self._pauses = ui.input("Wait before strokes").props("outlined hint='by number: 40, 120; empty: never'")
         for field in (
@@ -239,11 +240,7 @@ def _ports() -> list[str]:
 
 def _speed(value: float | None) -> float:
     """Check the speed, millimetres per second; None is no limit. Raises InputError for a speed out of range."""
-    if value is None:
-        return _FASTEST
-    if not _SLOWEST <= value <= _FASTEST:
-        raise InputError.of_range("the speed", f"{value:g} mm/s", f"from {_SLOWEST} to {_FASTEST} mm/s")
-    return value
+    return _FASTEST if value is None else number(value, "the speed", _SLOWEST, _FASTEST, "mm/s")
 
 
 def _numbers(text: str) -> tuple[int, ...] | None:

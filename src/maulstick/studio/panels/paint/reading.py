@@ -10,6 +10,7 @@ from maulstick.drawing.options import DrawingOptions
 from maulstick.painting.raster import parse_size
 from maulstick.studio.panels.paint.form import SHORT_MENU
 from maulstick.studio.state.studio import Studio
+from maulstick.studio.widgets.number_field import NumberField
 from maulstick.studio.widgets.sheet_sizes import SHEET_SIZES, in_words
 from maulstick.studio.widgets.showing import shown_by
 
@@ -31,16 +32,16 @@ class ReadingForm:
         with self.root:
             sizes = {"": "As large as its page", **{size: in_words(size) for size in SHEET_SIZES}}
             self._size = ui.select(sizes, label="Sheet", value="").props(SHORT_MENU)
-            self._margin = ui.number("Margin, mm", min=0).props(_AS_TYPED)
+            self._margin = NumberField("Margin, mm", min=0).props(_AS_TYPED)
             self._margin.props("hint='what is drawn is scaled; empty: as on its page'")
             self._rotate = ui.select(_TURNS, label="Turn", value=0).props(SHORT_MENU)
-            self._hatch = ui.number("Hatching, mm between lines", min=0, on_change=self._fit)
+            self._hatch = NumberField("Hatching, mm between lines", min=0, on_change=self._fit)
             self._hatch.props(_AS_TYPED).props("hint='empty: fills stay empty'")
-            self._angle = ui.number("Angle of the lines, degrees").props(_AS_TYPED)
+            self._angle = NumberField("Angle of the lines, degrees").props(_AS_TYPED)
             self._angle.props("hint='empty: 45, or as the hand leans'")
             self._hand = ui.select({}, label="Hatch with").props(SHORT_MENU)
             self._repeats = ui.switch("Leave out paths that are there twice")
-            self._join = ui.number("Join ends nearer than, mm", min=0).props(_AS_TYPED)
+            self._join = NumberField("Join ends nearer than, mm", min=0).props(_AS_TYPED)
             self._join.props("hint='the pen stays down from path to path; empty: none'")
             self._reading = ui.label("Reading it …").props('role="status"').classes("hint")
         self._reading.visible = False

@@ -5,6 +5,7 @@ from nicegui import events, html, ui
 from maulstick.errors import InputError
 from maulstick.studio.state.mixing import RowOfWells
 from maulstick.studio.state.studio import Studio
+from maulstick.studio.widgets.number_field import NumberField
 from maulstick.studio.widgets.showing import shown_by
 from maulstick.studio.widgets.undoing import offer_undo
 from maulstick.studio.widgets.uploading import small_content, upload_button
@@ -73,8 +74,7 @@ def _lay(studio: Studio) -> None:
         with ui.element().classes("rows"):
             plan = ui.select(plans, label="The painting", value=next(iter(plans), None)).props("outlined dense")
             numbers = {
-                name: ui.number(label, value=usual, format="%.4g").props("outlined dense")
-                for name, (label, usual) in _ROW.items()
+                name: NumberField(label, value=usual).props("outlined dense") for name, (label, usual) in _ROW.items()
             }
         with ui.element().classes("line end"):
             ui.button("Leave as it was", on_click=dialog.close).props("flat")

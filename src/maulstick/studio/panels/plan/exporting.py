@@ -7,7 +7,8 @@ from nicegui import html, ui
 from maulstick.errors import InputError
 from maulstick.jobs.export import ExportOptions
 from maulstick.robot.easel import Pen
-from maulstick.studio.state.whole_number import whole_number
+from maulstick.studio.state.typed_numbers import whole_number
+from maulstick.studio.widgets.number_field import NumberField
 from maulstick.studio.workers.desk import Desk
 from maulstick.studio.workers.export_work import Taken, export_film, export_for_machine, export_picture
 
@@ -35,12 +36,12 @@ class ExportDialog:
         with ui.dialog(value=True).props('aria-label="Save as"') as self._dialog, html.div().classes("sheet saves"):
             html.h2("Save as")
             self._kind = ui.select(_KINDS, label="What for", value="svg", on_change=self._fit).props("outlined")
-            self._height = ui.number("Pixels high", value=2000).props("outlined")
-            self._seconds = ui.number("Seconds", value=10).props("outlined")
+            self._height = NumberField("Pixels high", value=2000, min=16, max=_MOST_PX).props("outlined")
+            self._seconds = NumberField("Seconds", value=10, min=1, max=_MOST_SECONDS).props("outlined")
             self._servo = ui.checkbox("A servo lifts the pen", on_change=self._fit)
             with ui.element().classes("numbers") as self._positions:
-                self._up = ui.number("Its number for up", value=30).props("outlined")
-                self._down = ui.number("and for down", value=90).props("outlined")
+                self._up = NumberField("Its number for up", value=30).props("outlined")
+                self._down = NumberField("and for down", value=90).props("outlined")
             with ui.element().classes("line end"):
                 ui.button("Leave it", on_click=self._dialog.close).props("flat")
                 self._go = ui.button("Save", icon="download", on_click=self._save)

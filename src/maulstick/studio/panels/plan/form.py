@@ -25,9 +25,10 @@ from maulstick.studio.panels.plan.weights import weight_sliders
 from maulstick.studio.state.plan import Plan
 from maulstick.studio.state.settings import Choices
 from maulstick.studio.state.studio import Studio
+from maulstick.studio.state.typed_numbers import whole_number
 from maulstick.studio.state.weighing import PICTURE_TERMS, check_weights
-from maulstick.studio.state.whole_number import whole_number
 from maulstick.studio.widgets.brushes import USUAL_PEN, draws_one_width, is_pen
+from maulstick.studio.widgets.number_field import NumberField
 from maulstick.studio.widgets.showing import shown_by
 from maulstick.studio.widgets.slider import Slider
 from maulstick.studio.wording import PLANNED_FOR, WORDS_LABEL
@@ -82,12 +83,12 @@ class PlanForm:
             html.h2("How to paint it")
             with ui.element().classes("numbers"):
                 self._style = ui.select([], label="Hand", on_change=self._learn_of_hand)
-                self._hand_size = ui.number("Hand size", step=0.1, suffix="times").bind_value(kept, "hand_size")
+                self._hand_size = NumberField("Hand size", step=0.1, suffix="times").bind_value(kept, "hand_size")
                 self._brushes = BrushChoice()
                 self._kind = ui.select({"paints": "Paints", "ink": "Ink"}, label="Colours").bind_value(kept, "kind")
-                self._paints = ui.number("How many", min=1, max=_MOST_PAINTS, precision=0).bind_value(kept, "paints")
+                self._paints = NumberField("How many", min=1, max=_MOST_PAINTS).bind_value(kept, "paints")
                 self._inks = InkChoice(kept)
-                self._strokes = ui.number("Strokes", min=1, max=_MOST_STROKES, step=50, precision=0)
+                self._strokes = NumberField("Strokes", min=0, max=_MOST_STROKES, step=50)
                 self._strokes.bind_value(kept, "strokes")
                 self._drawing = ui.select(DRAWN, label="What it draws").bind_value(kept, "drawing")
                 self._enough = ui.checkbox("As many strokes as the picture needs").bind_value(kept, "enough")

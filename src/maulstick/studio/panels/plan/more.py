@@ -10,6 +10,7 @@ from maulstick.jobs.plan.options import PlanOptions
 from maulstick.jobs.plan.request import MOST_TRIES
 from maulstick.studio.state.settings import WHITE
 from maulstick.studio.state.studio import Studio
+from maulstick.studio.widgets.number_field import NumberField
 from maulstick.studio.widgets.showing import shown_by
 
 _FIRST_VALUES = {"under": "", "look": ""}  # of what is for one picture, and is not kept for others
@@ -32,7 +33,7 @@ class MoreChoices:
                 self._paper = ui.color_input("Colour of the paper").bind_value(kept, "paper").classes("whole")
                 self._under = ui.select({}, label="Or a photograph of it").bind_value(kept, "under").classes("whole")
                 self._look = ui.select({}, label="With the look of").bind_value(kept, "look").classes("whole")
-                self.tries = ui.number("Tries, the best one is kept", min=1, max=MOST_TRIES, precision=0)
+                self.tries = NumberField("Tries, the best one is kept", min=1, max=MOST_TRIES)
                 self.tries.bind_value(kept, "tries").classes("whole")
             self._unmixed = ui.checkbox("Only the paints of your tubes, unmixed").bind_value(kept, "unmixed")
             html.p("Bring photographs and other pictures above, under “What to paint”; tubes stand under Mix.").classes(

@@ -16,6 +16,7 @@ _CLOSER = Path(__file__).with_name("closer.css")
 
 def build(studio: Studio, query: Mapping[str, str]) -> None:
     """Build the panel. query: `style` is chosen first."""
+    studio.plans.look_again()
     ui.timer(SETTLED, studio.plans.be_ready, immediate=False)
     ui.add_css(_STYLE)
     ui.add_css(_CLOSER)

@@ -13,6 +13,7 @@ from maulstick.studio.panels.plan.editor import PictureEditor
 from maulstick.studio.panels.plan.pictures import PictureChoice
 from maulstick.studio.state.placing import AS_SUITS, Placing
 from maulstick.studio.state.studio import Studio
+from maulstick.studio.widgets.number_field import NumberField
 from maulstick.studio.widgets.sheet_sizes import in_words
 from maulstick.studio.widgets.showing import as_source
 from maulstick.studio.wording import error_text
@@ -39,7 +40,7 @@ class SheetChoice:
             self._own = ui.input("Width by height").bind_value(kept, "own_size").classes("own-size")
             self._own.props("debounce=400 hint='in mm, cm or in: 17 by 23 cm'")
             self._fit = ui.select(FITS, label="How the picture fits").bind_value(kept, "fit")
-            self._margin = ui.number("Margin, mm", min=0).bind_value(kept, "margin").props("debounce=400")
+            self._margin = NumberField("Margin, mm", min=0).bind_value(kept, "margin").props("debounce=400")
         self._beyond = ui.label().classes("beyond").props('role="status"')
         with html.figure().classes("sketch") as self._sketch:
             self._image = html.img(alt="The picture on its sheet")

@@ -8,6 +8,7 @@ from nicegui import app, events, html, ui
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.state.survey_draft import Draft, HandDraft, PairDraft
 from maulstick.studio.state.surveys import address_of
+from maulstick.studio.widgets.number_field import NumberField
 from maulstick.studio.widgets.showing import shown_by
 from maulstick.studio.widgets.uploading import incoming, upload_button
 from maulstick.survey.questions import SAME_HAND, WHOSE_DRAWING
@@ -193,7 +194,7 @@ def _text(label: str, draft: Draft | HandDraft, name: str, most: int) -> ui.inpu
 
 
 def _count_field(label: str, draft: Draft, name: str, most: int) -> None:
-    number = ui.number(label, min=1, max=most, precision=0).props("outlined dense").classes("asked")
+    number = NumberField(label, min=1, max=most).props("outlined dense").classes("asked")
     number.bind_value(draft, name)
 
 

@@ -14,7 +14,8 @@ from maulstick.studio.panels.survey.form import SurveyForm
 from maulstick.studio.panels.survey.results import confusion_table, opinions_table, right_table
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.state.titles import file_name
-from maulstick.studio.state.whole_number import whole_number
+from maulstick.studio.state.typed_numbers import whole_number
+from maulstick.studio.widgets.number_field import NumberField
 from maulstick.studio.widgets.renaming import ask_for_title
 from maulstick.studio.widgets.showing import shown_by
 from maulstick.studio.widgets.undoing import offer_undo
@@ -100,7 +101,7 @@ class _Survey:
             self._read.visible = False
             self._count = ui.label("Counting the answers …").classes("figure").props('role="status"')
             with ui.element().classes("line"):
-                self._more = ui.number("How many people?", value=10, min=1, max=MOST_LINKS, precision=0)
+                self._more = NumberField("How many people?", value=10, min=1, max=MOST_LINKS)
                 self._more.props("outlined dense").classes("how-many")
                 self._make = ui.button("Make their links", icon="add_link", on_click=self._invite)
                 self._all = ui.button("Copy all links", icon="content_copy", on_click=self._copy_all).props("outline")
