@@ -3,7 +3,7 @@
 A plan of the astronaut, 400 strokes at 256 pixels, by each style and paints of `CASES`, in a process of its own. The
 kernels' share is clocked within the same steps, forward and backward, so it is of the same marks and threads.
 step_ms: the middle one of a plan's steps.  mean_ms: of all its steps but the first ten, and of what is done between
-them; coarse pixels, relocations and the choice of paints are in it.
+them; coarse pixels, relocations and the choice of paints are in it, but not the loading of k-means (`startup.py`).
 """
 
 import json
@@ -24,6 +24,7 @@ TURNS = 3
 CLOCKED = """
 import json, sys, time
 sys.path.insert(0, sys.argv[1])
+import sklearn.cluster
 import torch
 from photographs import BRUSH, laid_out
 from maulstick.painting.brush import load_brush
