@@ -56,14 +56,12 @@ def _of_steps() -> list[str]:
     ours, before = ([found[style, *version] for style in styles] for version in (("here", 500), ("before", 1500)))
     more = [more_than(*each) for each in zip(ours, before, strict=True)]
     each_more = np.concatenate([gains for of_style in more for gains in of_style])
-    seconds = [
-        [np.mean([row["seconds"] for rows in plans.values() for row in rows]) for plans in of] for of in (ours, before)
-    ]
+    seconds = [np.mean([row["seconds"] for rows in plans.values() for row in rows]) for plans in ours]
     return [
         "500 steps beside the 1,500 that were usual: six photographs, three seeds",
         ", ".join(f"{style} {gain_of(each)}" for style, each in zip(styles, more, strict=True))
-        + f"; {_reach(seconds[0])} of one processor",
-        f"{_reach(seconds[1])}; the worst of the {len(each_more)}: {-each_more.min():.1f} dB less",
+        + f"; {_reach(seconds)} of one processor",
+        f"the worst of the {len(each_more)}: {-each_more.min():.1f} dB less",
         "`benchmarks/steps.py` ([how](docs/planning.md#steps))",
     ]
 
