@@ -206,7 +206,15 @@ def test_a_sweep_that_is_killed_leaves_no_process_behind(tmp_path: Path, at: str
         ),
         (
             "[axes]\npicture = ['x.png']\nseed = [true]",
-            "the cell x.png_seed-True: seed is true or false, as only exact",
+            "the cell x.png_seed-True: seed has true or false, as only exact",
+        ),
+        (
+            "[axes]\npicture = ['x.png']\nseed = [0, 1]\n[options]\ncrop = [0, 0, true, 1]",
+            "the cell x.png_seed-0: crop has true or false, as only exact",
+        ),
+        (
+            "[axes]\npicture = ['x.png']\nseed = [0, 1]\n[options.weights]\ntone = true",
+            "the cell x.png_seed-0: weights has true or false, as only exact",
         ),
         (
             "[axes]\npicture = ['x.png']\nseed = [0, 1]\n[options]\nstrokes = 'auto'",

@@ -1,11 +1,14 @@
 from collections import Counter
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.spatial import cKDTree
 
+from maulstick.drawing import order
 from maulstick.drawing.order import joined
 from maulstick.storage.arrays import Floats
 
@@ -40,11 +43,36 @@ def test_a_line_goes_on_with_the_nearest_end() -> None:
     assert [len(each) for each in joined([first, far, near], GAP)] == [4, 2]
 
 
-def test_lines_that_meet_in_one_place_are_joined_two_by_two_in_their_order() -> None:
-    many = 20_000  # which take seconds, and not half a minute, since each looks at one end there
-    found = joined([line((0, 0), (1, number)) for number in range(many)], GAP)
-    ends = [[[1, number + 1], [0, 0], [1, number]] for number in range(0, many, 2)]
-    assert [each[:: 1 if each[0, 1] > each[-1, 1] else -1].tolist() for each in found] == ends
+@pytest.mark.parametrize("apart", [0.0, 1e-17, 1e-9])
+def test_lines_that_meet_in_one_place_or_nearly_are_joined_by_looking_at_a_few_ends_each(
+    apart: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    looked = 0
+
+    class Counting:
+        def __init__(self, places: Floats) -> None:
+            self._tree = cKDTree(places)
+
+        def query(self, place: Floats, count: int, **how: Any) -> Any:
+            nonlocal looked
+            looked += count
+            return self._tree.query(place, count, **how)
+
+        def query_ball_point(self, place: Floats, distance: float) -> Any:
+            nonlocal looked
+            near = self._tree.query_ball_point(place, distance)
+            looked += len(near)
+            return near
+
+    monkeypatch.setattr(order, "cKDTree", Counting)
+    many, rng = 1000, np.random.default_rng(0)
+    starts = rng.normal(0, apart, (many, 2))
+    found = joined([line(tuple(start), (1, number)) for number, start in enumerate(starts)], GAP)
+    assert looked < 30 * many
+    assert len(found) == many // 2
+    if apart == 0:
+        ends = [[[1, number + 1], [0, 0], [1, number]] for number in range(0, many, 2)]
+        assert [each[:: 1 if each[0, 1] > each[-1, 1] else -1].tolist() for each in found] == ends
 
 
 def test_closed_lines_and_dots_stay_alone_and_each_line_keeps_its_place() -> None:

@@ -225,23 +225,32 @@ def test_a_fault_within_a_stroke_is_one_sentence_and_lifts_the_pen(fault: str, p
 
 
 @pytest.mark.parametrize("paper", [-10.0, 0.0, 10.0])
-def test_a_machine_that_has_restarted_in_a_stroke_is_lifted_from_where_its_tip_then_was(paper: float) -> None:
+@pytest.mark.parametrize(
+    ("fault", "told"), [("restart", "started again by itself"), ("noisy restart", "there is noise on the line")]
+)
+def test_a_machine_that_has_restarted_in_a_stroke_is_lifted_from_where_its_tip_then_was(
+    paper: float, fault: str, told: str
+) -> None:
     start = (50.0, 50.0, paper + 5)
-    with FakeGrbl(origin=(0.0, 0.0, paper), start=start, faults={25: "restart"}) as device:
+    with FakeGrbl(origin=(0.0, 0.0, paper), start=start, faults={25: fault}) as device:
         with Grbl(device.port) as robot:
             robot.move(ABOVE)
-            with pytest.raises(MachineError, match="started again by itself"):
+            with pytest.raises(MachineError, match=told):
                 robot.stroke(CIRCLE, SPEED)
         assert robot.lifted
         assert device.woke_at[2] < paper, "the tip was on the paper"
         assert device.place[2] >= 1e3 * ABOVE[2]
 
 
-def test_a_machine_that_has_restarted_and_does_not_rise_says_so_and_stays_locked() -> None:
-    with FakeGrbl(**WITH_SWITCHES, faults={25: "restart"}) as device:
+@pytest.mark.parametrize(
+    ("fault", "told"),
+    [("restart", r"started again by itself; .* home it"), ("noisy restart", "there is noise on the line")],
+)
+def test_a_machine_that_has_restarted_and_does_not_rise_says_so_and_stays_locked(fault: str, told: str) -> None:
+    with FakeGrbl(**WITH_SWITCHES, faults={25: fault}) as device:
         with Grbl(device.port) as robot:
             robot.move(ABOVE)
-            with pytest.raises(MachineError, match=r"started again by itself; .* home it"):
+            with pytest.raises(MachineError, match=told):
                 robot.stroke(CIRCLE, SPEED)
         assert not robot.lifted
         assert device.state == "Alarm"

@@ -253,3 +253,17 @@ def test_a_plan_comes_and_goes_with_its_folder_while_the_studio_is_open(folder: 
     assert plans.of("lines") is lines
     with pytest.raises(InputError, match="there is no plan six any more"):
         plans.of("six")
+
+
+def test_a_plan_whose_files_were_still_on_their_way_is_finished_once_they_are_there(folder: Folder) -> None:
+    put_plan(folder.root, "six")
+    painting = folder.root / "plans" / "six" / "painting.json"
+    painting.rename(aside := painting.with_name("painting.part"))
+    plans = Plans(folder)
+    changes: list[Phase] = []
+    plans.changed.subscribe(lambda: changes.append(plans.of("six").phase))
+    assert plans.of("six").phase is Phase.STOPPED
+    aside.rename(painting)
+    for _ in range(2):
+        plans.look_again()
+    assert changes == [Phase.PLANNED]

@@ -282,6 +282,15 @@ def test_a_copy_of_an_earlier_run_whose_first_journal_is_gone_is_not_one_of_the_
     assert (ten.parent / "ten.run1" / "ten.copy2.log.jsonl").exists()
 
 
+def test_a_painting_that_would_share_the_journal_of_a_copy_of_another_is_not_begun(
+    ten: Path, recorder: Recorder
+) -> None:
+    other = ten.rename(ten.with_name("ten.copy2.json"))
+    told = "a further copy of ten.json would have the same journal as ten.copy2.json; give ten.copy2.json another name"
+    assert run("paint", other, *GRBL).mistake == told
+    assert not journal_of(other).exists()
+
+
 @pytest.mark.parametrize(("at", "strokes", "copies"), [(1, 10, 2), (2, 20, 3)])
 def test_a_run_that_was_stopped_goes_on_in_the_right_copy(
     ten: Path, recorder: Recorder, monkeypatch: pytest.MonkeyPatch, at: int, strokes: int, copies: int

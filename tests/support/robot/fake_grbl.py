@@ -51,7 +51,8 @@ class FakeGrbl:
     faults[n] happens instead of the answer to the n-th line of G-code, counted from 0.
 
     A fault is an answer like error:20 or ALARM:1, or `silent`, `closed`, `noise`, `lost` (an ok), `door`,
-    `restart` (of the board: it counts its place from where it stands, and is locked where it has switches).
+    `restart` (of the board: it counts its place from where it stands, and is locked where it has switches), and
+    `noisy restart`, whose noise comes as a line of its own, since Grbl greets on a new one.
     delay: seconds of the wall that every answer is late.  lost_reports: the first so many come with noise.
     homing: seconds of the wall that finding home takes, in which nothing but a reset is heard.
     more_axes: places of further axes than x, y and z, which it tells after theirs.
@@ -299,12 +300,14 @@ class FakeGrbl:
             self._tell("\xff\x03o\xf8k")
         elif fault == "door":
             self._state = "Door:0"
-        elif fault == "restart":
+        elif fault in ("restart", "noisy restart"):
             x, y, z = (woke + counted for woke, counted in zip(self.woke_at, self._motion.place, strict=True))
             self.woke_at, self._motion.place = (x, y, z), (0.0, 0.0, 0.0)
             self._forget()
             self._state, self._unread, self.servo = "Alarm" if self.settings[22] else "Idle", b"", 0.0
-            self._tell("\xfe" + self.banner)
+            if fault == "noisy restart":
+                self._tell("\xfe")
+            self._tell(self.banner)
         elif fault.startswith("ALARM"):
             self._forget()
             self._state = "Alarm"

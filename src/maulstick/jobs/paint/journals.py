@@ -11,7 +11,8 @@ from maulstick.jobs.paint.options import PaintOptions
 from maulstick.robot.journal import Journal, begun_with, journal_of, locked, was_begun
 from maulstick.robot.machines import is_simulated
 
-_OF_A_COPY = r"copy[0-9]+\.log\.jsonl"  # end of the name of a further copy's journal
+_AS_A_COPY = r"copy[0-9]+"  # end of the stem of a further copy's journal
+_OF_A_COPY = rf"{_AS_A_COPY}\.log\.jsonl"  # end of its name
 _OF_A_RUN = rf"(?:r[0-9]+\.(?:json|png)|{_OF_A_COPY}|eye\.npz)"  # ends of the names of what a run writes
 
 
@@ -26,8 +27,12 @@ def check_not_begun(painting: Path, options: PaintOptions, restart: bool) -> Non
     """Raise InputError where a painting was begun and is not to be restarted, and as `check_own` does.
 
     A real machine begins what was only rehearsed on the simulated easel: nothing of that is on paper.
+    Raises InputError, too, where its journal would have the name of that of a further copy of another painting.
     """
     check_own(painting)
+    if copied := re.fullmatch(rf"(.+)\.{_AS_A_COPY}", painting.stem):
+        shared = f"a further copy of {copied[1]}{painting.suffix} would have the same journal as {painting.name}"
+        raise InputError(f"{shared}; give {painting.name} another name")
     path = journal_of(painting)
     if was_begun(path) and not restart and (options.simulated or not _was_rehearsed(path)):
         raise InputError(f"{path} says that this painting was begun", Remedy.RESUME_OR_RESTART)

@@ -122,8 +122,8 @@ class Grid(BaseModel):
         if picture is None and given.get("text") is None:
             raise InputError("there is nothing to paint; give the axes or the options a picture, or a text")
         for each, value in given.items():
-            if isinstance(value, bool) and each != "exact":  # which would be read as 0 or 1
-                raise InputError(f"the cell {name}: {each} is true or false, as only exact can be")
+            if each != "exact" and _has_truth(value):  # which would be read as 0 or 1
+                raise InputError(f"the cell {name}: {each} has true or false, as only exact can")
         try:
             request = _REQUEST.validate_python({"picture": picture, "options": given})
             request.options.check_counted()
@@ -136,6 +136,12 @@ class Grid(BaseModel):
 
 
 _REQUEST = TypeAdapter(PlanRequest)
+
+
+def _has_truth(value: object) -> bool:
+    """Return whether true or false is a value, or among its parts."""
+    parts = value.values() if isinstance(value, Mapping) else value if isinstance(value, list | tuple) else ()
+    return isinstance(value, bool) or any(map(_has_truth, parts))
 
 
 def read_grid(path: str | Path) -> Grid:

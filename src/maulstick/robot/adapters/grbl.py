@@ -203,13 +203,13 @@ class Grbl(KeepsOrigin, LetsGo, LocksItself, HasServo, OverridesSpeed):
     def _recover(self) -> None:
         if self._line is None:
             return
-        before = self._stream
-        has_lost_height = self._pen is None and before.has_restarted
+        stream = GrblStream(self._line, self._patience, Stopping())  # a flag of its own, so that no stop interrupts it
+        stream.has_restarted = self._stream.has_restarted
+        stream.hold()
         # The one before waits for answers to what the reset drops.
         self._stream = GrblStream(self._line, self._patience, self._stopping)
-        self._stream.has_restarted = before.has_restarted
-        stream = GrblStream(self._line, self._patience, Stopping())  # a flag of its own, so that no stop interrupts it
-        stream.hold()
+        self._stream.has_restarted = stream.has_restarted
+        has_lost_height = self._pen is None and stream.has_restarted
         stream.reset()
         if stream.status(ready=False).state == "Alarm" and not has_lost_height:  # its lock tells that it has
             stream.ask("$X")

@@ -44,7 +44,8 @@ class GrblStream:
     """Line to a Grbl: sends commands and reads its answers.
 
     override: per cent of the commanded speed that is wanted, in steps of 10; another thread may change it.
-    has_restarted: whether it has started again by itself, and counts its place from where it then stood.
+    has_restarted: whether it has started again by itself since it was reset, and counts its place from where it then
+    stood.
     Raises MachineError where it is silent, fails or is not understood; `run` raises StoppedError once `stopping` is
     set.
     """
@@ -76,6 +77,7 @@ class GrblStream:
         again = Patience(_QUIET)
         while resets > 1 and not again.over:
             self._line.line()
+        self.has_restarted = False
 
     def hold(self) -> None:
         """Brake; returns once it stands still, or where it does not report that."""
@@ -150,8 +152,10 @@ class GrblStream:
         self._line.write(_REPORT)
         asked = Patience(_BETWEEN_REPORTS)
         while not asked.over:
-            if (status := Status.parse(self._line.line() or "")) is not None:
+            text = self._line.line() or ""
+            if (status := Status.parse(text)) is not None:
                 return status
+            self.has_restarted |= _greets(text)  # what came before, as noise on its own line, was the fault
         return None
 
     def _heed_stop(self) -> None:
@@ -214,7 +218,7 @@ class GrblStream:
             code, unknown = int(found[1]), f"it does not say why; {_UNABLE['Alarm']}"
             fault = f"the Grbl on {port} raised alarm {code}: {ALARMS.get(code, unknown)}"
             return MachineError(fault, REMEDIES.get(text) if code in ALARMS else Remedy.UNLOCK)
-        if "Grbl " in text:  # perhaps after noise, as power came back
+        if _greets(text):
             self.has_restarted = True
             return MachineError(f"the Grbl on {port} started again by itself; check its power", Remedy.HOME)
         shown = text if len(text) <= 40 else text[:37] + "..."
@@ -241,6 +245,10 @@ class GrblStream:
                     )
                 return True
         return False
+
+
+def _greets(text: str) -> bool:
+    return "Grbl " in text  # perhaps after noise, as power came back
 
 
 def _size(content: str) -> int:

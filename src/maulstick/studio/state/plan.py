@@ -82,6 +82,11 @@ class Plan:
         return (self.folder / "painting.json").is_file()
 
     @property
+    def is_finished(self) -> bool:
+        """Whether its folder holds a painting with nothing left to plan."""
+        return self.is_painting and not state_files(self.folder)
+
+    @property
     def is_busy(self) -> bool:
         """Whether it has a process, or waits for one."""
         return self.phase in (Phase.WAITING, Phase.PLANNING, Phase.STOPPING)
@@ -145,5 +150,5 @@ def read_plan(name: str, folder: Path) -> Plan | None:
         story = json.loads((folder / _STORY).read_bytes())
         plan.metrics, plan.curve = tuple(story["metrics"]), [(done, parts) for done, parts in story["curve"]]
         plan.notes = tuple(story["notes"])
-    plan.phase = Phase.PLANNED if plan.is_painting and not state_files(folder) else Phase.STOPPED
+    plan.phase = Phase.PLANNED if plan.is_finished else Phase.STOPPED
     return plan

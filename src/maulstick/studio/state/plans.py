@@ -43,10 +43,13 @@ class Plans:
         before = self.plans
         there: dict[str, Plan] = {}
         for name in self._folder.names("plans"):
-            if (plan := before.get(name) or read_plan(name, self._folder.of("plans", name))) is not None:
+            plan = before.get(name)
+            if plan is None or (plan.phase is Phase.STOPPED and plan.is_finished):  # its files were still on their way
+                plan = read_plan(name, self._folder.of("plans", name))
+            if plan is not None:
                 there[name] = plan
         self.plans = there | {name: plan for name, plan in before.items() if plan.is_busy}
-        if self.plans.keys() != before.keys():
+        if {*self.plans.values()} != {*before.values()}:
             self.changed.emit()
 
     @property
