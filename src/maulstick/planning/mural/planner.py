@@ -106,7 +106,8 @@ class _Planning:
         if (largest := self._windows.largest) > _LARGEST_WINDOW:
             raise InputError(
                 f"strokes of this mural reach so far that a window would have {largest / 1e6:,.0f} million pixels, and "
-                f"at most {_LARGEST_WINDOW / 1e6:.0f} fit in memory; take more strokes, fewer pixels, or a smaller hand"
+                f"at most {_LARGEST_WINDOW / 1e6:.0f} are planned at once; take more strokes, fewer pixels, or a "
+                "smaller hand"
             )
         self._progress = MuralProgress(len(self._windows), watch, resume)
         self.rounds = self._windows.rounds()
