@@ -20,6 +20,7 @@ from maulstick.planning.objectives import edges, pyramid
 from maulstick.planning.planner import plan
 from maulstick.planning.problem import PlannerSettings
 from maulstick.planning.result import PlanProgress, PlanResult
+from maulstick.planning.schedule import Schedule
 from maulstick.planning.state import State
 from maulstick.rendering.kernels.repeated import Repeated
 from maulstick.storage.arrays import Image
@@ -103,7 +104,10 @@ def test_a_mural_of_another_device_is_that_of_the_cpu(portrait: Image) -> None:
     assert len(near.paint_of) > 10
 
 
-def test_a_step_asks_another_device_for_few_operations(portrait: Image, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(("coarse", "more"), [((0.0, 0.0), 0), ((1.0, 1.0), 6)])
+def test_a_step_asks_another_device_for_few_operations(
+    portrait: Image, monkeypatch: pytest.MonkeyPatch, coarse: tuple[float, float], more: int
+) -> None:
     moves_and_views = ("_to_copy", "unsqueeze", "squeeze", "expand", "select.int", "view", "detach")
     asked: list[str] = []
     recorded: list[str] = []
@@ -135,9 +139,10 @@ def test_a_step_asks_another_device_for_few_operations(portrait: Image, monkeypa
     with far_device() as device:
         layout = lay_out_for(portrait, Sheet(width=0.06, height=0.05), nominal("round"), height_px=256)
         style, settings = load_style("free", layout.canvas), options(steps=30)
-        plan(problem_of(layout, (nominal("round"),), style, settings, LossOptions(), device=device), settings, watch)
+        problem = problem_of(layout, (nominal("round"),), style, settings, LossOptions(), device=device)
+        plan(problem, settings, watch, schedule=Schedule(coarse=coarse))
     first, usual = of_steps[4], of_steps[21]  # nothing is sorted, moved or mixed; later only the finest tones count
-    assert 5 < len(usual[0]) < len(first[0]) <= 15, first
+    assert 5 + more < len(usual[0]) < len(first[0]) <= 15 + more, first
     assert 5 < usual[1] <= 14
     assert usual[1] < first[1] <= 82
 

@@ -255,6 +255,16 @@ def test_a_plan_comes_and_goes_with_its_folder_while_the_studio_is_open(folder: 
         plans.of("six")
 
 
+def test_a_plan_that_was_taken_out_of_the_trash_stays_the_last(folder: Folder) -> None:
+    for name in ("six", "lines"):
+        put_plan(folder.root, name)
+    plans = Plans(folder)
+    first, last = plans.plans
+    plans.take_back(plans.throw_away(plans.of(first)))
+    plans.look_again()
+    assert [*plans.plans] == [last, first]
+
+
 def test_a_plan_whose_files_were_still_on_their_way_is_finished_once_they_are_there(folder: Folder) -> None:
     put_plan(folder.root, "six")
     painting = folder.root / "plans" / "six" / "painting.json"

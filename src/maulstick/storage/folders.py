@@ -22,7 +22,6 @@ def made_folder(out: Path, remedy: str | None = None) -> Iterator[None]:
     Raises OutputError, with a remedy as `as_output_error`, where the folder cannot be made or written.
     """
     with as_output_error(out, remedy):
-        check_no_file(out, remedy)
         made = [folder for folder in (out, *out.parents) if not folder.exists()]
     try:
         with as_output_error(out, remedy):
@@ -36,10 +35,10 @@ def made_folder(out: Path, remedy: str | None = None) -> Iterator[None]:
                 folder.rmdir()
 
 
-def check_no_file(out: Path, remedy: str | None = None) -> None:
-    """Raise OutputError, with a remedy as `as_output_error`, where a file is in the place of the folder `out`."""
+def check_no_file(out: Path) -> None:
+    """Raise OutputError where a file is in the place of the folder `out`."""
     if out.exists() and not out.is_dir():
-        raise OutputError(f"{out} is a file, not a folder; {remedy or _OTHER}")
+        raise OutputError(f"{out} is a file, not a folder; {_OTHER}")
 
 
 @contextmanager

@@ -15,7 +15,7 @@ from maulstick.jobs.sweep.grid import SHEET, TABLE, Cell, Grid
 from maulstick.kinds import check_whole
 from maulstick.painting.painting_file import read_painting
 from maulstick.storage.files import file_sum, held
-from maulstick.storage.folders import as_output_error, made_folder
+from maulstick.storage.folders import as_output_error, check_no_file, made_folder
 
 _LOOK = 0.3  # seconds between two looks at the jobs: enough for a progress bar
 _LOOK_EACH = 1e-3  # seconds more for each job: a disk that machines share is slow
@@ -84,6 +84,7 @@ def opened(grid: Grid, folder: Path, out: Path, note: Callable[[str], None]) -> 
     """
     sum_once, read_once = cache(file_sum), cache(read_painting)
     requests = [(cell, summed(cell.request, sum_once, read_once)) for cell in grid.cells(folder, read_once)]
+    check_no_file(out)
     _check_free(out)
     with made_folder(out):
         taken = f"another sweep works in {out}; wait for it, or choose another {option('out')}"

@@ -40,15 +40,15 @@ class Plans:
 
     def look_again(self) -> None:
         """Take in plans whose folders were put here by hand, and let go of those whose folders are gone."""
-        before = self.plans
-        there: dict[str, Plan] = {}
-        for name in self._folder.names("plans"):
+        before, names = self.plans, self._folder.names("plans")
+        known = [name for name, plan in before.items() if name in names or plan.is_busy]
+        self.plans = {}
+        for name in dict.fromkeys((*known, *names)):
             plan = before.get(name)
             if plan is None or (plan.phase is Phase.STOPPED and plan.is_finished):  # its files were still on their way
                 plan = read_plan(name, self._folder.of("plans", name))
             if plan is not None:
-                there[name] = plan
-        self.plans = there | {name: plan for name, plan in before.items() if plan.is_busy}
+                self.plans[name] = plan
         if {*self.plans.values()} != {*before.values()}:
             self.changed.emit()
 
