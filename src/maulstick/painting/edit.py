@@ -10,6 +10,7 @@ from PIL import Image
 
 from maulstick.colour.srgb import colours_of, light_of
 from maulstick.errors import InputError, option
+from maulstick.painting.picture import MOST_PIXELS
 from maulstick.storage.arrays import Pixels
 
 Crop = tuple[float, float, float, float]
@@ -32,7 +33,6 @@ MOST_STOPS: Final = 5.0
 CONTRASTS: Final = (0.1, 10.0)
 """Least and largest factor of contrast: nearly one grey, and nearly black and white."""
 
-_MOST_READ_PX = 100_000_000  # of a side: as many as the largest picture that is read has in all
 _GREY = 0.5  # sRGB that contrast leaves as it is: the middle of what the eye tells apart, L* 53
 
 
@@ -77,7 +77,7 @@ class PictureEdit:
     def read_px(self, pixels: int) -> int:
         """Return the length in pixels to read either side of a picture at, so that the crop keeps so many of it."""
         left, top, right, bottom = self.crop
-        return ceil(min(pixels / min(right - left, bottom - top), _MOST_READ_PX))
+        return ceil(min(pixels / min(right - left, bottom - top), MOST_PIXELS))  # no side has more
 
     def applied(self, picture: Pixels) -> Pixels:
         """Return the picture (H, W, 3), sRGB in [0, 1], with these corrections, (h, w, 3)."""

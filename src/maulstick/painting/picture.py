@@ -26,7 +26,9 @@ READ_PX = 4096
 LONGEST_KEPT_PX = 4096
 """Longest side of a picture that is kept within another file, pixels."""
 
-_LARGEST = 100_000_000  # pixels: bounds the memory that a picture takes
+MOST_PIXELS = 100_000_000
+"""Pixels of the largest picture that is read, which bounds the memory that it takes."""
+
 _QUALITY = 88  # of a JPEG, on Pillow's scale up to 95
 _STRETCH = 0.02  # how much the shapes of photograph and sheet may differ
 _BITS, _PHOTOMETRIC, _ORIENTATION, _PLANES = 258, 262, 274, 284  # tags of EXIF and TIFF
@@ -52,12 +54,12 @@ def read_picture(path: str | Path, longest_px: int | None = None, shortest_px: i
     if longest_px is not None and longest_px < 1:
         raise InputError.of_range("the longest side in pixels", longest_px, "at least 1")
     path = file_to_read(path, "picture")
-    too_large = f"the picture {path} has more than {_LARGEST // 10**6} megapixels; scale it down first"
+    too_large = f"the picture {path} has more than {MOST_PIXELS // 10**6} megapixels; scale it down first"
     try:
         with warnings.catch_warnings():  # Pillow warns of odd metadata and of sizes that are allowed here
             warnings.simplefilter("ignore")
             with Image.open(path, formats=formats_of(path)) as image:
-                if image.width * image.height > _LARGEST:
+                if image.width * image.height > MOST_PIXELS:
                     raise InputError(too_large)
                 return _decode(image, longest_px or max(image.size), shortest_px)
     except InputError:
